@@ -1,0 +1,65 @@
+//! Diffuse transfer vectors.
+
+use crate::basis::Order;
+
+/// What light paths a transfer counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TransferKind {
+    /// No shadows: the closed form of the clamped cosine.
+    Unshadowed,
+    /// Shadowed direct light, then this many interreflections.
+    Shadowed {
+        /// 0 is direct light only.
+        bounces: u32,
+    },
+}
+
+/// Per-vertex diffuse transfer: transferred irradiance divided by π, **without the receiver's own albedo**.
+///
+/// `radiance = albedo · Σ_i transfer[i] · light[i]`, by channel [sloan2005]. Shape `[vertex][channel][coefficient]`, contiguous.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transfer {
+    /// Order of the light it answers to.
+    pub order: Order,
+    /// 1 (direct light only) or 3 (linear Rec. 709, with interreflection).
+    pub channels: usize,
+    /// What it counts.
+    pub kind: TransferKind,
+    /// Rays per vertex (0 for the closed form).
+    pub samples: u32,
+    /// The seed it was baked with.
+    pub seed: u64,
+    /// `[vertices][channels][order²]`.
+    pub coefficients: Vec<f32>,
+    /// False where the vertex is buried and its vector was filled from its neighbours.
+    pub valid: Vec<bool>,
+    /// Transfer of the back side of vertices that belong to double-sided surfaces.
+    pub back: Option<BackTransfer>,
+}
+
+/// Transfer of back sides: some vertices have one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BackTransfer {
+    /// The vertices, ascending.
+    pub vertices: Vec<u32>,
+    /// `[vertices.len()][channels][order²]`, for the flipped normal.
+    pub coefficients: Vec<f32>,
+}
+
+impl Transfer {
+    /// Number of vertices.
+    pub fn vertex_count(&self) -> usize {
+        self.valid.len()
+    }
+
+    /// Numbers per vertex: `channels · order²`.
+    pub fn stride(&self) -> usize {
+        self.channels * self.order.count()
+    }
+
+    /// The transfer vector of one vertex and channel; a one-channel transfer answers every channel with the same vector.
+    pub fn vector(&self, vertex: usize, channel: usize) -> &[f32] {
+        let start = vertex * self.stride() + (channel % self.channels) * self.order.count();
+        &self.coefficients[start..start + self.order.count()]
+    }
+}

@@ -1,0 +1,5 @@
+//! Light that arrives at the scene, as coefficients of a basis.
+
+mod incident;
+
+pub use incident::{IncidentLight, ShLight};

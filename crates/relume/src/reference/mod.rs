@@ -1,0 +1,1 @@
+//! A plain path tracer: the oracle the bake is judged by.

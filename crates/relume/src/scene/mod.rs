@@ -1,0 +1,58 @@
+//! What is baked: meshes, materials, textures and where their instances stand.
+//!
+//! [`Scene`] is what a file says; [`World`] is the same flattened to one vertex and one triangle list in the space of the scene's root
+//! (right-handed, y up, metres), which is what the baker, the tracer and the picture read.
+
+mod material;
+mod mesh;
+mod world;
+
+pub use material::{AlphaMode, Material, Sampler, Texture, Wrap};
+pub use mesh::{Group, Instance, Mesh};
+pub use world::{Surface, World};
+
+/// A scene as a file says it.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// Meshes in object space. For glTF, each primitive of each mesh is one.
+    pub meshes: Vec<Mesh>,
+    /// Materials; every [`Group`] names one.
+    pub materials: Vec<Material>,
+    /// Decoded base colour textures; materials name them.
+    pub textures: Vec<Texture>,
+    /// Where meshes stand, in the order of §4 of the design: depth first over nodes, then primitives.
+    pub instances: Vec<Instance>,
+    /// The glTF document this came from, kept so that the asset can give it back untouched. `None` for OBJ, PLY and built scenes.
+    pub document: Option<Document>,
+    /// SHA-256 of the source file's bytes in lower-case hex; empty for scenes built in memory.
+    pub source_hash: String,
+    /// One line each, for the person who imported: what was assumed, ignored or repaired.
+    pub warnings: Vec<String>,
+}
+
+/// A glTF document with everything it refers to held in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Document {
+    /// The JSON chunk. All buffers have been merged into one without `uri`; external images have become buffer views.
+    pub json: serde_json::Value,
+    /// The one binary buffer.
+    pub bin: Vec<u8>,
+}
+
+impl Scene {
+    /// Number of vertices over all instances: the number of transfer vectors.
+    pub fn vertex_count(&self) -> usize {
+        self.instances
+            .iter()
+            .map(|instance| self.meshes[instance.mesh].positions.len())
+            .sum()
+    }
+
+    /// Number of triangles over all instances.
+    pub fn triangle_count(&self) -> usize {
+        self.instances
+            .iter()
+            .map(|instance| self.meshes[instance.mesh].triangle_count())
+            .sum()
+    }
+}

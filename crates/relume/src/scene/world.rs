@@ -1,0 +1,181 @@
+//! The scene flattened into world space.
+
+use std::ops::Range;
+
+use glam::{DMat3, DVec3, Vec2, Vec3};
+
+use super::{AlphaMode, Material, Scene, Texture};
+
+/// All instances as one vertex list and one triangle list, in the space of the scene's root.
+///
+/// Vertices run instance by instance in the order of [`Scene::instances`], and within one as in its mesh.
+#[derive(Clone, Debug, Default)]
+pub struct World {
+    /// One per vertex.
+    pub positions: Vec<Vec3>,
+    /// One per vertex, unit length.
+    pub normals: Vec<Vec3>,
+    /// One per vertex; zero where the mesh has none.
+    pub uvs: Vec<Vec2>,
+    /// Linear vertex colour; white where the mesh has none.
+    pub colors: Vec<Vec3>,
+    /// Vertex alpha; 1 where the mesh has none.
+    pub alphas: Vec<f32>,
+    /// Vertex indices, counter-clockwise seen from the front (mirroring instances are turned back).
+    pub triangles: Vec<[u32; 3]>,
+    /// Material of each triangle.
+    pub triangle_materials: Vec<u32>,
+    /// Vertices of each instance.
+    pub instance_vertices: Vec<Range<usize>>,
+    /// Whether the vertex came from the file (false: added by tessellation).
+    pub from_input: Vec<bool>,
+    /// As in the scene.
+    pub materials: Vec<Material>,
+    /// As in the scene.
+    pub textures: Vec<Texture>,
+}
+
+/// What a ray finds at a point of a triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    /// Linear albedo: base colour factor × vertex colour × texture.
+    pub albedo: Vec3,
+    /// Alpha: factor × vertex alpha × texture.
+    pub alpha: f32,
+}
+
+impl World {
+    /// Flattens `scene`. Normals go by the inverse transpose.
+    pub fn new(scene: &Scene) -> Self {
+        let mut world = Self {
+            materials: scene.materials.clone(),
+            textures: scene.textures.clone(),
+            ..Self::default()
+        };
+        for instance in &scene.instances {
+            world.add(scene, instance);
+        }
+        world
+    }
+
+    fn add(&mut self, scene: &Scene, instance: &super::Instance) {
+        let mesh = &scene.meshes[instance.mesh];
+        let first = self.positions.len();
+        let to_world = instance.world_from_object;
+        let normal_to_world = normal_matrix(to_world.matrix3);
+        let mirrors = to_world.matrix3.determinant() < 0.0;
+        self.positions.extend(
+            mesh.positions
+                .iter()
+                .map(|p| to_world.transform_point3(p.as_dvec3()).as_vec3()),
+        );
+        self.normals.extend(mesh.normals.iter().map(|n| {
+            let turned = normal_to_world * n.as_dvec3();
+            turned.try_normalize().unwrap_or(DVec3::Y).as_vec3()
+        }));
+        let count = mesh.positions.len();
+        self.uvs
+            .extend((0..count).map(|i| mesh.uvs.get(i).copied().unwrap_or_default()));
+        self.colors
+            .extend((0..count).map(|i| mesh.colors.get(i).map_or(Vec3::ONE, |&c| Vec3::from(c))));
+        self.alphas
+            .extend((0..count).map(|i| mesh.alphas.get(i).copied().unwrap_or(1.0)));
+        self.from_input
+            .extend((0..count).map(|i| i < mesh.input_vertices));
+        self.instance_vertices.push(first..first + count);
+        for group in &mesh.groups {
+            self.triangles
+                .extend(group.triangles.iter().map(|&[a, b, c]| {
+                    let [a, b, c] = [a, b, c].map(|i| i + first as u32);
+                    if mirrors { [a, c, b] } else { [a, b, c] }
+                }));
+            self.triangle_materials
+                .resize(self.triangles.len(), group.material as u32);
+        }
+    }
+
+    /// Corner positions of a triangle.
+    pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.triangles[triangle as usize].map(|i| self.positions[i as usize])
+    }
+
+    /// The material of a triangle.
+    pub fn material(&self, triangle: u32) -> &Material {
+        &self.materials[self.triangle_materials[triangle as usize] as usize]
+    }
+
+    /// Interpolates a per-vertex value with barycentric weights (of the triangle's three corners).
+    pub fn interpolate<T>(&self, triangle: u32, weights: [f32; 3], of: impl Fn(usize) -> T) -> T
+    where
+        T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,
+    {
+        let [a, b, c] = self.triangles[triangle as usize].map(|i| of(i as usize));
+        a * weights[0] + b * weights[1] + c * weights[2]
+    }
+
+    /// Albedo and alpha at a point of a triangle.
+    pub fn surface(&self, triangle: u32, weights: [f32; 3]) -> Surface {
+        let color = self.interpolate(triangle, weights, |i| self.colors[i]);
+        let alpha = self.interpolate(triangle, weights, |i| self.alphas[i]);
+        let uv = self.interpolate(triangle, weights, |i| self.uvs[i]);
+        self.surface_of(self.material(triangle), color, alpha, uv)
+    }
+
+    /// Whether there is a surface at this point of a triangle, or the hole of an alpha mask.
+    pub fn is_solid(&self, triangle: u32, weights: [f32; 3]) -> bool {
+        match self.material(triangle).alpha {
+            AlphaMode::Opaque => true,
+            AlphaMode::Mask(cutoff) => self.surface(triangle, weights).alpha >= cutoff,
+        }
+    }
+
+    /// Albedo at every vertex (texture taken at the vertex's UV). Where triangles of several materials meet, the first one counts;
+    /// a vertex no triangle uses is black.
+    pub fn vertex_albedos(&self) -> Vec<Vec3> {
+        let mut albedos = vec![Vec3::ZERO; self.positions.len()];
+        let mut seen = vec![false; self.positions.len()];
+        for (triangle, corners) in self.triangles.iter().enumerate() {
+            for i in corners.map(|i| i as usize) {
+                if !std::mem::replace(&mut seen[i], true) {
+                    let material = self.material(triangle as u32);
+                    let (color, alpha, uv) = (self.colors[i], self.alphas[i], self.uvs[i]);
+                    albedos[i] = self.surface_of(material, color, alpha, uv).albedo;
+                }
+            }
+        }
+        albedos
+    }
+
+    /// Smallest and largest corner of everything triangles use; `None` when there are none.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let mut used = self
+            .triangles
+            .iter()
+            .flatten()
+            .map(|&i| self.positions[i as usize]);
+        let first = used.next()?;
+        Some(used.fold((first, first), |(low, high), p| (low.min(p), high.max(p))))
+    }
+
+    fn surface_of(&self, material: &Material, color: Vec3, alpha: f32, uv: Vec2) -> Surface {
+        let [r, g, b, a] = material.base_color;
+        let texel = material
+            .base_color_texture
+            .map(|t| self.textures[t].sample(uv));
+        let (texel, texel_alpha) = texel.unwrap_or((Vec3::ONE, 1.0));
+        Surface {
+            albedo: Vec3::new(r, g, b) * color * texel,
+            alpha: a * alpha * texel_alpha,
+        }
+    }
+}
+
+/// The matrix that takes normals along: the inverse transpose, up to a positive scale; also right for mirrors.
+fn normal_matrix(m: DMat3) -> DMat3 {
+    let cofactors = DMat3::from_cols(
+        m.y_axis.cross(m.z_axis),
+        m.z_axis.cross(m.x_axis),
+        m.x_axis.cross(m.y_axis),
+    );
+    cofactors * m.determinant().signum()
+}

@@ -1,0 +1,1 @@
+//! Transfer and light in, radiance out.
