@@ -27,3 +27,5 @@ pub mod light;
 pub mod reference;
 pub mod scene;
 pub mod shade;
+#[cfg(test)]
+mod test_data;
