@@ -3,5 +3,6 @@
 //! Everything here is real and orthonormal, without the Condon–Shortley phase, polar axis z, index `i = l(l+1)+m`.
 
 mod order;
+pub mod sh;
 
 pub use order::{Order, OrderError, index};

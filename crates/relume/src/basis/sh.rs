@@ -1,0 +1,165 @@
+//! Evaluation of the real spherical harmonics.
+
+use glam::DVec3;
+
+use super::{Order, index};
+
+/// How many directions [`Evaluator::eval_lanes`] takes at once. Fixed, so that results do not depend on the machine.
+pub const LANES: usize = 16;
+
+/// The recurrence constants of one order, ready to evaluate all its basis functions.
+///
+/// Writes `Y_lm = N_lm P_lm(z) / sinᵐθ · (x, y)-polynomial`, normalised as it goes, so that neither factorials nor poles appear:
+///
+/// ```text
+/// P̄_00 = 1/√4π    P̄_mm = √((2m+1)/2m) P̄_m-1,m-1    P̄_lm = a_lm (z P̄_l-1,m − b_lm P̄_l-2,m)
+/// Y_lm = √2 P̄_lm Re(x+iy)ᵐ   (m > 0)        Y_l-m = √2 P̄_lm Im(x+iy)ᵐ        Y_l0 = P̄_l0
+/// ```
+#[derive(Clone, Debug)]
+pub struct Evaluator {
+    order: Order,
+    /// P̄_mm for each m, √2 folded in for m > 0.
+    sectoral: Vec<f64>,
+    /// `(a, a·b)` of P̄_lm at `index(l, m)`, l > m.
+    steps: Vec<(f64, f64)>,
+    sectoral_f32: Vec<f32>,
+    steps_f32: Vec<(f32, f32)>,
+}
+
+/// All `order²` basis functions at the unit direction `d`.
+///
+/// Making an [`Evaluator`] once is faster for many directions.
+pub fn eval(order: Order, d: DVec3) -> Vec<f64> {
+    let mut values = vec![0.0; order.count()];
+    Evaluator::new(order).eval(d, &mut values);
+    values
+}
+
+impl Evaluator {
+    /// Constants for `order`.
+    pub fn new(order: Order) -> Self {
+        let n = order.get();
+        let mut sectoral = vec![(0.25 / std::f64::consts::PI).sqrt()];
+        let mut factor = sectoral[0] * std::f64::consts::SQRT_2;
+        for m in 1..n {
+            let m = m as f64;
+            factor *= ((2.0 * m + 1.0) / (2.0 * m)).sqrt();
+            sectoral.push(factor);
+        }
+        let mut steps = vec![(0.0, 0.0); order.count()];
+        for l in 1..n {
+            for m in 0..l {
+                steps[index(l, m as isize)] = step(l as f64, m as f64);
+            }
+        }
+        Self {
+            order,
+            sectoral_f32: sectoral.iter().map(|&x| x as f32).collect(),
+            steps_f32: steps.iter().map(|&(a, ab)| (a as f32, ab as f32)).collect(),
+            sectoral,
+            steps,
+        }
+    }
+
+    /// The order this was made for.
+    pub fn order(&self) -> Order {
+        self.order
+    }
+
+    /// All basis functions at the unit direction `d`; `values` has `order²` places.
+    pub fn eval(&self, d: DVec3, values: &mut [f64]) {
+        let n = self.order.get();
+        assert_eq!(
+            values.len(),
+            self.order.count(),
+            "one place per basis function"
+        );
+        let (mut re, mut im) = (1.0, 0.0);
+        for m in 0..n {
+            let (mut before, mut p) = (0.0, self.sectoral[m]);
+            for l in m..n {
+                if l > m {
+                    let (a, ab) = self.steps[index(l, m as isize)];
+                    (before, p) = (p, a * d.z * p - ab * before);
+                }
+                values[index(l, -(m as isize))] = p * im;
+                values[index(l, m as isize)] = p * re;
+            }
+            (re, im) = (re * d.x - im * d.y, im * d.x + re * d.y);
+        }
+    }
+
+    /// All basis functions at [`LANES`] unit directions at once, in f32.
+    ///
+    /// `d` holds the x, y and z of the directions; `values[i][lane]` receives `Y_i`. Each lane is computed alone, by the same steps
+    /// as [`Evaluator::eval`].
+    pub fn eval_lanes(&self, d: &[[f32; LANES]; 3], values: &mut [[f32; LANES]]) {
+        let n = self.order.get();
+        assert_eq!(
+            values.len(),
+            self.order.count(),
+            "one place per basis function"
+        );
+        let [x, y, z] = d;
+        let (mut re, mut im) = ([1.0; LANES], [0.0; LANES]);
+        for m in 0..n {
+            let (mut before, mut p) = ([0.0; LANES], [self.sectoral_f32[m]; LANES]);
+            for l in m..n {
+                if l > m {
+                    let (a, ab) = self.steps_f32[index(l, m as isize)];
+                    for i in 0..LANES {
+                        (before[i], p[i]) = (p[i], a * z[i] * p[i] - ab * before[i]);
+                    }
+                }
+                let (sine, cosine) = (index(l, -(m as isize)), index(l, m as isize));
+                for i in 0..LANES {
+                    values[sine][i] = p[i] * im[i];
+                }
+                for i in 0..LANES {
+                    values[cosine][i] = p[i] * re[i];
+                }
+            }
+            for i in 0..LANES {
+                (re[i], im[i]) = (re[i] * x[i] - im[i] * y[i], im[i] * x[i] + re[i] * y[i]);
+            }
+        }
+    }
+}
+
+/// `(a_lm, a_lm · b_lm)` of the recurrence in l.
+fn step(l: f64, m: f64) -> (f64, f64) {
+    let a = ((4.0 * l * l - 1.0) / (l * l - m * m)).sqrt();
+    let b = (((l - 1.0) * (l - 1.0) - m * m) / (4.0 * (l - 1.0) * (l - 1.0) - 1.0))
+        .max(0.0)
+        .sqrt();
+    (a, a * b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn low_degrees_are_the_polynomials_of_the_textbook() {
+        let d = DVec3::new(0.36, -0.48, 0.8);
+        let DVec3 { x, y, z } = d;
+        let expected = [
+            0.282_094_791_773_878_14,
+            0.488_602_511_902_919_9 * y,
+            0.488_602_511_902_919_9 * z,
+            0.488_602_511_902_919_9 * x,
+            1.092_548_430_592_079_2 * x * y,
+            1.092_548_430_592_079_2 * y * z,
+            0.315_391_565_252_520_05 * (3.0 * z * z - 1.0),
+            1.092_548_430_592_079_2 * x * z,
+            0.546_274_215_296_039_6 * (x * x - y * y),
+        ];
+        let values = eval(Order::new(3).unwrap(), d);
+        for (i, (value, expected)) in values.iter().zip(expected).enumerate() {
+            assert!(
+                (value - expected).abs() < 1e-15,
+                "Y_{i}: {value} for {expected}"
+            );
+        }
+    }
+}
