@@ -1,1 +1,4 @@
 //! Scene in, transfer out.
+
+mod sampling;
+pub mod trace;
