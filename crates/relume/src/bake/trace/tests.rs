@@ -1,42 +1,9 @@
-use glam::{DAffine3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
 use super::super::sampling::{frame, vertex_seed};
+use super::test_worlds::{mesh_of, world_of};
 use super::*;
-use crate::scene::{
-    AlphaMode, Group, Instance, Material, Mesh, Sampler, Scene, Texture, World, Wrap,
-};
-
-/// A world of one mesh, for tests.
-pub fn world_of(mesh: Mesh, materials: Vec<Material>, textures: Vec<Texture>) -> World {
-    World::new(&Scene {
-        meshes: vec![mesh],
-        materials,
-        textures,
-        instances: vec![Instance {
-            mesh: 0,
-            node: 0,
-            primitive: 0,
-            world_from_object: DAffine3::IDENTITY,
-        }],
-        ..Scene::default()
-    })
-}
-
-fn mesh_of(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
-    let input_vertices = positions.len();
-    let normals = vec![Vec3::Y; positions.len()];
-    let groups = vec![Group {
-        material: 0,
-        triangles,
-    }];
-    Mesh {
-        positions,
-        normals,
-        groups,
-        input_vertices,
-        ..Mesh::default()
-    }
-}
+use crate::scene::{AlphaMode, Group, Material, Sampler, Texture, World, Wrap};
 
 fn solid(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> World {
     world_of(
