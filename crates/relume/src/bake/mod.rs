@@ -18,6 +18,3 @@ pub mod trace;
 
 pub use options::{BakeError, BakeOptions, Monitor, Need, Progress};
 pub use run::bake;
-
-#[cfg(test)]
-mod tests;

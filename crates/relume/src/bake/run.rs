@@ -10,7 +10,7 @@ use super::receiver::Receivers;
 use super::trace::Tracer;
 use super::{BakeError, BakeOptions, Monitor, Progress};
 use crate::asset::{BackTransfer, Transfer, TransferKind};
-use crate::basis::zonal;
+use crate::basis::Zonal;
 use crate::scene::World;
 
 /// Receivers of one tile: the unit of work, of progress and of cancelling.
@@ -187,24 +187,17 @@ impl<'a> Passes<'a> {
     }
 }
 
-/// `t_i = A_l/π · Y_i(n)` with the zonal coefficients A_l of the clamped cosine [ramamoorthi2001].
+/// `t_i = A_l/π · Y_i(n)` with the zonal eigenvalues A_l of the clamped cosine [ramamoorthi2001].
 fn unshadowed(receivers: &Receivers, options: &BakeOptions) -> Vec<f32> {
-    let lobe = zonal::cosine_lobe(options.order);
-    let evaluator = crate::basis::sh::Evaluator::new(options.order);
-    let mut values = vec![0.0; options.order.count()];
-    let mut rows = Vec::with_capacity(receivers.len() * values.len());
-    for i in 0..receivers.len() {
-        let normal = receivers.get(i, 0).normal.as_dvec3().normalize();
-        evaluator.eval(normal, &mut values);
-        for l in options.order.degrees() {
-            let band = &values[l * l..(l + 1) * (l + 1)];
-            rows.extend(
-                band.iter()
-                    .map(|y| (lobe[l] / std::f64::consts::PI * y) as f32),
-            );
-        }
-    }
-    rows
+    let cosine = Zonal::clamped_cosine(options.order);
+    let row = |receiver| {
+        let normal = receivers.get(receiver, 0).normal.as_dvec3().normalize();
+        cosine
+            .toward(normal)
+            .into_iter()
+            .map(|x| (x / std::f64::consts::PI) as f32)
+    };
+    (0..receivers.len()).flat_map(row).collect()
 }
 
 /// Rows of `count` as rows of three times the same.
