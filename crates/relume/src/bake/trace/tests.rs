@@ -162,7 +162,7 @@ fn every_hit_is_the_nearest_by_a_plain_search_in_f64() {
 fn plain_search(world: &World, origin: Vec3, d: Vec3) -> Option<(f64, u32)> {
     let d = d.as_dvec3();
     let hits = (0..world.triangles.len() as u32).filter_map(|i| {
-        let [a, b, c] = world.corners(i).map(|p| p.as_dvec3());
+        let [a, b, c] = world.corners(i).map(Vec3::as_dvec3);
         let (e1, e2) = (b - a, c - a);
         let p = d.cross(e2);
         let det = e1.dot(p);
