@@ -7,15 +7,7 @@ use crate::basis::sh;
 use crate::scene::{Group, Instance, Material, Mesh, Scene};
 
 /// `A_l/π` of the clamped cosine for degrees 0…6 [ramamoorthi2001]: 1, 2/3, 1/4, 0, −1/24, 0, 1/64.
-const COSINE: [f64; 7] = [
-    1.0,
-    2.0 / 3.0,
-    0.25,
-    0.0,
-    -1.0 / 24.0,
-    0.0,
-    1.0 / 64.0,
-];
+const COSINE: [f64; 7] = [1.0, 2.0 / 3.0, 0.25, 0.0, -1.0 / 24.0, 0.0, 1.0 / 64.0];
 
 fn degree(i: usize) -> usize {
     i.isqrt()
@@ -92,7 +84,11 @@ fn world(normals: &[DVec3]) -> World {
 fn constant_light_on_open_surfaces_gives_back_the_albedo() {
     let order = Order::new(5).unwrap();
     let normals = normals(30);
-    let radiance = radiance(&world(&normals), &unshadowed(order, &normals), &constant(order));
+    let radiance = radiance(
+        &world(&normals),
+        &unshadowed(order, &normals),
+        &constant(order),
+    );
     for value in radiance {
         for (found, albedo) in value.into_iter().zip([0.25f32, 0.5, 1.0]) {
             // Y_00 and √4π are each rounded to f32 once, and so is their product: 1.5 ulp.
@@ -222,9 +218,8 @@ proptest! {
             channels: 3,
             coefficients: t[..3 * order.count()].iter().map(|&x| f32::from(x)).collect(),
             valid: vec![true],
-            ..unshadowed(Order::new(n).unwrap().min(Order::new(7).unwrap()), &[])
+            ..unshadowed(order, &[])
         };
-        let transfer = Transfer { order, ..transfer };
         let of = |f: &dyn Fn(usize) -> f32| {
             let light = distant(order, |i| [f(i), 2.0 * f(i), -f(i)]);
             Vec3::from(transferred_radiance(&transfer, &light)[0])
