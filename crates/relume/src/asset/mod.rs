@@ -1,8 +1,28 @@
-//! The baked asset: a scene and its transfer, and the `.glb` that holds both.
+//! The baked asset: a scene and its transfer, and the `.glb` that holds both (docs/format.md).
 
+mod builder;
+mod container;
+mod describe;
+mod error;
+mod export;
+mod fresh;
+mod header;
+mod merge;
+mod read;
+#[cfg(test)]
+mod samples;
+mod strip;
+mod tessellated;
 mod transfer;
+mod views;
+mod write;
 
+pub use describe::{Description, describe};
+pub use error::AssetError;
+pub use export::{export_radiance, export_transfer};
+pub use read::{from_glb, read};
 pub use transfer::{BackTransfer, Transfer, TransferKind};
+pub use write::{predicted_size, same_file, to_glb, write};
 
 use crate::scene::Scene;
 

@@ -1,0 +1,157 @@
+//! What is in a baked asset, in numbers and words.
+
+use std::fmt;
+
+use super::{Asset, TransferKind, header};
+use crate::basis::Order;
+use crate::files::printable;
+
+/// Sizes and conventions of a baked asset. `Display` gives one line each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Description {
+    /// Order of the light that the transfer answers to.
+    pub order: Order,
+    /// 1, or 3 with interreflection.
+    pub channels: usize,
+    /// What light paths it counts.
+    pub kind: TransferKind,
+    /// Rays per vertex.
+    pub samples: u32,
+    /// The seed it was baked with.
+    pub seed: u64,
+    /// SHA-256 of the source file, hex; empty when unknown.
+    pub source_hash: String,
+    /// Vertices over all instances.
+    pub vertices: usize,
+    /// How many of them came from the source; the rest were added by tessellation.
+    pub input_vertices: usize,
+    /// Buried vertices, whose transfer was filled from their neighbours.
+    pub invalid: usize,
+    /// Vertices with a transfer of their back side too.
+    pub back_vertices: usize,
+    /// Bytes of coefficients per vertex.
+    pub bytes_per_vertex: usize,
+    /// Bytes of all coefficients, back sides included.
+    pub transfer_bytes: u64,
+    /// Meshes placed in the scene.
+    pub instances: usize,
+    /// Triangles over all instances.
+    pub triangles: usize,
+    /// Materials of the scene.
+    pub materials: usize,
+    /// Decoded base colour textures.
+    pub textures: usize,
+    /// Names of materials that are used and metallic, which diffuse transfer ignores.
+    pub metallic: Vec<String>,
+}
+
+/// Counts what is in `asset`.
+pub fn describe(asset: &Asset) -> Description {
+    let Asset { scene, transfer } = asset;
+    let meshes = || scene.instances.iter().map(|i| &scene.meshes[i.mesh]);
+    let mut used = vec![false; scene.materials.len()];
+    for group in meshes().flat_map(|mesh| &mesh.groups) {
+        used[group.material] = true;
+    }
+    let materials = scene.materials.iter().zip(used);
+    let metallic = materials.filter(|(material, used)| *used && material.metallic > 0.0);
+    let back = transfer.back.as_ref();
+    let coefficients = transfer.coefficients.len() + back.map_or(0, |b| b.coefficients.len());
+    Description {
+        order: transfer.order,
+        channels: transfer.channels,
+        kind: transfer.kind,
+        samples: transfer.samples,
+        seed: transfer.seed,
+        source_hash: scene.source_hash.clone(),
+        vertices: transfer.vertex_count(),
+        input_vertices: meshes().map(|mesh| mesh.input_vertices).sum(),
+        invalid: transfer.valid.iter().filter(|&&valid| !valid).count(),
+        back_vertices: back.map_or(0, |back| back.vertices.len()),
+        bytes_per_vertex: 4 * transfer.stride(),
+        transfer_bytes: 4 * coefficients as u64,
+        instances: scene.instances.len(),
+        triangles: scene.triangle_count(),
+        materials: scene.materials.len(),
+        textures: scene.textures.len(),
+        metallic: metallic
+            .map(|(material, _)| printable(&material.name))
+            .collect(),
+    }
+}
+
+impl fmt::Display for Description {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (n, count, channels) = (self.order, self.order.count(), self.channels);
+        let kind = match self.kind {
+            TransferKind::Unshadowed => "diffuse, unshadowed (closed form)".to_owned(),
+            TransferKind::Shadowed { bounces: 0 } => "diffuse, shadowed direct light".to_owned(),
+            TransferKind::Shadowed { bounces: 1 } => "diffuse, shadowed, 1 bounce".to_owned(),
+            TransferKind::Shadowed { bounces } => format!("diffuse, shadowed, {bounces} bounces"),
+        };
+        writeln!(f, "transfer     {kind}")?;
+        writeln!(
+            f,
+            "basis        spherical harmonics, order {n} ({count} coefficients), {}",
+            header::CONVENTION
+        )?;
+        writeln!(
+            f,
+            "quantity     {}, without the receiver's own albedo",
+            header::QUANTITY
+        )?;
+        writeln!(
+            f,
+            "channels     {channels}{}",
+            if channels == 3 {
+                " (linear Rec. 709)"
+            } else {
+                ""
+            }
+        )?;
+        writeln!(f, "space        the scene's root, right-handed, y up")?;
+        let added = self.vertices - self.input_vertices.min(self.vertices);
+        writeln!(
+            f,
+            "vertices     {} ({} of the source, {added} added)",
+            self.vertices, self.input_vertices
+        )?;
+        writeln!(
+            f,
+            "buried       {} vertices, filled from their neighbours",
+            self.invalid
+        )?;
+        writeln!(f, "back sides   {} vertices", self.back_vertices)?;
+        writeln!(
+            f,
+            "size         {} bytes a vertex, {} bytes in all",
+            self.bytes_per_vertex, self.transfer_bytes
+        )?;
+        writeln!(
+            f,
+            "sampling     {} rays a vertex, seed {}",
+            self.samples, self.seed
+        )?;
+        writeln!(
+            f,
+            "scene        {} instances, {} triangles, {} materials, {} textures",
+            self.instances, self.triangles, self.materials, self.textures
+        )?;
+        let source = match self.source_hash.as_str() {
+            "" => "unknown",
+            hash => hash,
+        };
+        writeln!(f, "source       sha256 {source}")?;
+        if let Some(first) = self.metallic.first() {
+            let more = match self.metallic.len() - 1 {
+                0 => String::new(),
+                more => format!(" and {more} more"),
+            };
+            writeln!(
+                f,
+                "note         diffuse transfer ignores that material \"{first}\"{more} is metallic"
+            )?;
+        }
+        Ok(())
+    }
+}

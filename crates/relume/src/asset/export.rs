@@ -1,0 +1,218 @@
+//! Arrays for numpy: `transfer.npz` and `radiance.npz` (docs/format.md).
+//!
+//! Rows are vertices: first those of the source in the order of [`World`], then those that tessellation added.
+
+use std::io::{self, Seek, Write};
+use std::path::Path;
+
+use npyz::WriterBuilder;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, System, ZipWriter};
+
+use super::{Asset, AssetError, header};
+use crate::files::write_atomically;
+use crate::scene::World;
+
+/// From this many bytes on an entry says its length in 64 bits.
+const LARGE: u64 = 0xf000_0000;
+
+/// Writes the transfer vectors of `asset` as `transfer.npz`, with positions, normals, albedo and the basis header.
+///
+/// float32 `position`, `normal` [V, 3] in the space of the scene's root, `transfer` [V, C, n²] without the receiver's own albedo,
+/// `albedo` [V, 3] linear; int32 `source_vertex` [V], bool `valid` [V]; where there are double-sided surfaces int32 `back_vertex` [B]
+/// (rows of the others) and `back_transfer` [B, C, n²]. The same bytes each time. `world` is that of the asset's scene.
+pub fn export_transfer(asset: &Asset, world: &World, path: &Path) -> Result<(), AssetError> {
+    let transfer = &asset.transfer;
+    fits(world, transfer.vertex_count(), "transfer vectors")?;
+    let rows = Rows::new(world);
+    let (stride, count) = (transfer.stride(), transfer.order.count() as u64);
+    let channels = transfer.channels as u64;
+    let albedos = world.vertex_albedos();
+    save(path, |npz| {
+        rows.write(npz, world, &transfer.valid)?;
+        let vector = |i: usize| &transfer.coefficients[i * stride..(i + 1) * stride];
+        let shape = [rows.len(), channels, count];
+        npz.floats("transfer", &shape, rows.each().flat_map(vector).copied())?;
+        let albedo = rows.each().flat_map(|i| albedos[i].to_array());
+        npz.floats("albedo", &[rows.len(), 3], albedo)?;
+        if let Some(back) = &transfer.back {
+            let places = rows.places();
+            let shape = [back.vertices.len() as u64, channels, count];
+            let vertices = back.vertices.iter().map(|&v| places[v as usize]);
+            npz.array("back_vertex", &shape[..1], vertices)?;
+            npz.floats("back_transfer", &shape, back.coefficients.iter().copied())?;
+        }
+        write_header(npz, asset)
+    })
+}
+
+/// Writes `radiance` (one linear RGB value per vertex of `world`, albedo included) as `radiance.npz`.
+///
+/// float32 `position`, `normal`, `radiance` [V, 3], int32 `source_vertex` [V], bool `valid` [V]. The same bytes each time.
+pub fn export_radiance(
+    world: &World,
+    valid: &[bool],
+    radiance: &[[f32; 3]],
+    path: &Path,
+) -> Result<(), AssetError> {
+    fits(world, valid.len(), "flags")?;
+    fits(world, radiance.len(), "radiance values")?;
+    let rows = Rows::new(world);
+    save(path, |npz| {
+        rows.write(npz, world, valid)?;
+        let values = rows.each().flat_map(|i| radiance[i]);
+        npz.floats("radiance", &[rows.len(), 3], values)
+    })
+}
+
+fn fits(world: &World, count: usize, what: &str) -> Result<(), AssetError> {
+    let vertices = world.positions.len();
+    if count == vertices && i32::try_from(vertices).is_ok() {
+        return Ok(());
+    }
+    let what = format!("{count} {what} for {vertices} vertices");
+    Err(AssetError::Mismatch(what))
+}
+
+/// What every coefficient set says of itself, as arrays of no dimension.
+fn write_header(npz: &mut Npz<impl Write + Seek>, asset: &Asset) -> io::Result<()> {
+    let transfer = &asset.transfer;
+    for (key, token) in header::TOKENS {
+        npz.text(key, token)?;
+    }
+    let (kind, bounces) = header::kind(transfer.kind);
+    npz.text("kind", kind)?;
+    npz.array("order", &[], [transfer.order.get() as i32])?;
+    npz.array("bounces", &[], [i64::from(bounces)])?;
+    npz.array("samples", &[], [i64::from(transfer.samples)])?;
+    npz.array("seed", &[], [transfer.seed])?;
+    npz.text("source", &asset.scene.source_hash)?;
+    npz.text("generator", &header::generator())
+}
+
+/// The vertices in the order of the rows.
+struct Rows {
+    order: Vec<u32>,
+    inputs: usize,
+}
+
+impl Rows {
+    fn new(world: &World) -> Self {
+        let of = |input: bool| {
+            let all = 0..world.from_input.len() as u32;
+            all.filter(move |&i| world.from_input[i as usize] == input)
+        };
+        let mut order: Vec<u32> = of(true).collect();
+        let inputs = order.len();
+        order.extend(of(false));
+        Self { order, inputs }
+    }
+
+    fn len(&self) -> u64 {
+        self.order.len() as u64
+    }
+
+    fn each(&self) -> impl Iterator<Item = usize> {
+        self.order.iter().map(|&i| i as usize)
+    }
+
+    /// The row of each vertex.
+    fn places(&self) -> Vec<i32> {
+        let mut places = vec![0; self.order.len()];
+        for (row, i) in self.each().enumerate() {
+            places[i] = row as i32;
+        }
+        places
+    }
+
+    /// What both exports have.
+    fn write(
+        &self,
+        npz: &mut Npz<impl Write + Seek>,
+        world: &World,
+        valid: &[bool],
+    ) -> io::Result<()> {
+        let positions = self.each().flat_map(|i| world.positions[i].to_array());
+        npz.floats("position", &[self.len(), 3], positions)?;
+        let normals = self.each().flat_map(|i| world.normals[i].to_array());
+        npz.floats("normal", &[self.len(), 3], normals)?;
+        let source = |row: usize| if row < self.inputs { row as i32 } else { -1 };
+        let sources = (0..self.order.len()).map(source);
+        npz.array("source_vertex", &[self.len()], sources)?;
+        npz.array("valid", &[self.len()], self.each().map(|i| valid[i]))
+    }
+}
+
+fn save(
+    path: &Path,
+    write: impl FnOnce(&mut Npz<&mut io::BufWriter<&std::fs::File>>) -> io::Result<()>,
+) -> Result<(), AssetError> {
+    write_atomically(path, |writer| {
+        let mut npz = Npz(ZipWriter::new(writer));
+        write(&mut npz)?;
+        npz.0.finish()?;
+        Ok(())
+    })
+    .map_err(|error| AssetError::from(error).of(path))
+}
+
+/// An uncompressed zip of `.npy` files.
+struct Npz<W: Write + Seek>(ZipWriter<W>);
+
+impl<W: Write + Seek> Npz<W> {
+    fn floats(
+        &mut self,
+        name: &str,
+        shape: &[u64],
+        values: impl IntoIterator<Item = f32>,
+    ) -> io::Result<()> {
+        self.array(name, shape, values)
+    }
+
+    /// An array of `shape`, the last axis fastest.
+    fn array<T: npyz::AutoSerialize>(
+        &mut self,
+        name: &str,
+        shape: &[u64],
+        values: impl IntoIterator<Item = T>,
+    ) -> io::Result<()> {
+        let dtype = T::default_dtype();
+        self.start(name, shape, 8)?;
+        let mut npy = npyz::WriteOptions::new()
+            .dtype(dtype)
+            .shape(shape)
+            .writer(&mut self.0)
+            .begin_nd()?;
+        npy.extend(values)?;
+        npy.finish()
+    }
+
+    /// A string, as numpy's unicode array of no dimension.
+    fn text(&mut self, name: &str, text: &str) -> io::Result<()> {
+        let size = text.chars().count().max(1);
+        let kind = format!("<U{size}").parse().map_err(io::Error::other)?;
+        self.start(name, &[], 4 * size as u64)?;
+        let mut npy = npyz::WriteOptions::<str>::new()
+            .dtype(npyz::DType::new_scalar(kind))
+            .shape(&[])
+            .writer(&mut self.0)
+            .begin_nd()?;
+        npy.push(text)?;
+        npy.finish()
+    }
+
+    /// Begins an entry of at most `width` bytes per value.
+    fn start(&mut self, name: &str, shape: &[u64], width: u64) -> io::Result<()> {
+        // The same everywhere: not the clock's time, and not the name of the machine's system.
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Stored)
+            .last_modified_time(DateTime::default())
+            .system(System::Unix)
+            .unix_permissions(0o644)
+            .large_file(width * shape.iter().product::<u64>() >= LARGE);
+        Ok(self.0.start_file(format!("{name}.npy"), options)?)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,311 @@
+//! The JSON of the extension `RELUME_transfer` (docs/format.md).
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{Transfer, TransferKind};
+use crate::basis::Order;
+
+/// Name of the extension.
+pub const NAME: &str = "RELUME_transfer";
+/// The version this code writes, and the highest it reads.
+pub const VERSION: u64 = 1;
+/// Numbers above this are not exact in every JSON reader, so seeds above it are strings.
+const EXACT: u64 = 1 << 53;
+
+/// The tokens that say how coefficients are to be understood. One value each as yet; a reader refuses others.
+pub const TOKENS: [(&str, &str); 6] = [
+    ("basis", "sh"),
+    ("convention", CONVENTION),
+    ("quantity", QUANTITY),
+    ("colour", "linear-rec709"),
+    ("precision", "f32"),
+    ("frame", "scene"),
+];
+/// Real, orthonormal, no Condon–Shortley phase, index l(l+1)+m.
+pub const CONVENTION: &str = "real-no-cs";
+/// Transferred irradiance divided by π, without the receiver's own albedo.
+pub const QUANTITY: &str = "irradiance-over-pi";
+
+/// What one node says, but for the tokens.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Header {
+    order: usize,
+    channels: usize,
+    kind: String,
+    bounces: u32,
+    samples: u32,
+    seed: Value,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    source: String,
+}
+
+/// One glTF primitive's transfer.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Primitive {
+    /// An earlier primitive whose vertices and transfer this one shares; then nothing else stands here.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub same_as: Option<usize>,
+    /// Vertices, as many as the primitive's POSITION has.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub count: Option<usize>,
+    /// How many of them came from the source; the rest were added by tessellation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub input_vertices: Option<usize>,
+    /// Buffer view of the coefficients.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub transfer: Option<usize>,
+    /// Buffer view of one byte per vertex; absent when all are valid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub valid: Option<usize>,
+    /// Transfer of back sides.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub back: Option<Back>,
+    /// Linear albedo of a primitive without a material, where it is not glTF's default of 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub albedo: Option<[f32; 3]>,
+}
+
+/// Transfer of the back sides of some vertices.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Back {
+    /// How many.
+    pub count: usize,
+    /// Buffer view of their indices within the primitive, u32, ascending.
+    pub vertices: usize,
+    /// Buffer view of their coefficients.
+    pub transfer: usize,
+}
+
+/// What a header says of the whole transfer: everything but its arrays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Meaning {
+    pub order: Order,
+    pub channels: usize,
+    pub kind: TransferKind,
+    pub samples: u32,
+    pub seed: u64,
+    /// SHA-256 of the source in hex; empty when unknown.
+    pub source_hash: String,
+}
+
+/// The extension's JSON.
+pub fn to_json(transfer: &Transfer, source_hash: &str, primitives: &[Primitive]) -> Value {
+    let (kind, bounces) = kind(transfer.kind);
+    let source = match source_hash {
+        "" => String::new(),
+        hash => format!("sha256:{hash}"),
+    };
+    let header = Header {
+        order: transfer.order.get(),
+        channels: transfer.channels,
+        kind: kind.to_owned(),
+        bounces,
+        samples: transfer.samples,
+        seed: match transfer.seed {
+            exact @ ..=EXACT => exact.into(),
+            large => large.to_string().into(),
+        },
+        source,
+    };
+    let mut json = serde_json::Map::new();
+    json.insert("version".to_owned(), VERSION.into());
+    for (key, token) in TOKENS {
+        json.insert(key.to_owned(), token.into());
+    }
+    let mut header = serde_json::json!(header);
+    json.append(header.as_object_mut().expect("a struct is an object"));
+    json.insert("generator".to_owned(), generator().into());
+    json.insert("primitives".to_owned(), serde_json::json!(primitives));
+    Value::Object(json)
+}
+
+/// The token of a kind, and how many bounces.
+pub fn kind(kind: TransferKind) -> (&'static str, u32) {
+    match kind {
+        TransferKind::Unshadowed => ("unshadowed", 0),
+        TransferKind::Shadowed { bounces } => ("shadowed", bounces),
+    }
+}
+
+/// Who wrote the file.
+pub fn generator() -> String {
+    format!("relume {}", env!("CARGO_PKG_VERSION"))
+}
+
+/// Why the JSON of an extension is not understood.
+#[derive(Debug)]
+pub enum HeaderError {
+    /// Of a version to come.
+    Newer(u64),
+    /// Anything else, as the end of "RELUME_transfer …".
+    Wrong(String),
+}
+
+/// Reads the extension's JSON; every token, count and kind is checked.
+pub fn from_json(json: &Value) -> Result<(Meaning, Vec<Primitive>), HeaderError> {
+    let wrong = |what: String| HeaderError::Wrong(what);
+    match json.get("version").and_then(Value::as_u64) {
+        Some(VERSION) => {}
+        Some(newer) if newer > VERSION => return Err(HeaderError::Newer(newer)),
+        _ => return Err(wrong("has no version that is known".to_owned())),
+    }
+    for (key, token) in TOKENS {
+        let found = json.get(key).unwrap_or(&Value::Null);
+        if found != token {
+            let found = shown(found);
+            return Err(wrong(format!("has {key} {found}, not \"{token}\"")));
+        }
+    }
+    let header = Header::deserialize(json).map_err(|e| wrong(format!("has {}", shown(&e))))?;
+    let primitives = json.get("primitives").unwrap_or(&Value::Null);
+    let primitives = Vec::deserialize(primitives);
+    let primitives = primitives.map_err(|e| wrong(format!("has primitives with {}", shown(&e))))?;
+    Ok((header.meaning().map_err(wrong)?, primitives))
+}
+
+impl Header {
+    fn meaning(&self) -> Result<Meaning, String> {
+        let order = Order::new(self.order).map_err(|e| format!("has an impossible order: {e}"))?;
+        if !matches!(self.channels, 1 | 3) {
+            return Err(format!("has {} channels, not 1 or 3", self.channels));
+        }
+        let kind = match (self.kind.as_str(), self.bounces) {
+            ("unshadowed", 0) => TransferKind::Unshadowed,
+            ("shadowed", bounces) => TransferKind::Shadowed { bounces },
+            (other, bounces) => {
+                let other = shown(&Value::from(other));
+                return Err(format!("has kind {other} with {bounces} bounces"));
+            }
+        };
+        let seed = match &self.seed {
+            Value::String(text) => text.parse().ok(),
+            number => number.as_u64(),
+        };
+        let hash = match self.source.strip_prefix("sha256:") {
+            _ if self.source.is_empty() => "",
+            Some(hash) if hash.len() == 64 && hash.bytes().all(is_hex) => hash,
+            _ => return Err("has a source that is no sha256".to_owned()),
+        };
+        Ok(Meaning {
+            order,
+            channels: self.channels,
+            kind,
+            samples: self.samples,
+            seed: seed.ok_or_else(|| format!("has seed {}", shown(&self.seed)))?,
+            source_hash: hash.to_owned(),
+        })
+    }
+}
+
+fn is_hex(byte: u8) -> bool {
+    matches!(byte, b'0'..=b'9' | b'a'..=b'f')
+}
+
+/// A value or a complaint about one, fit for one line.
+fn shown(value: &impl ToString) -> String {
+    crate::files::printable(&value.to_string().chars().take(80).collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn transfer() -> Transfer {
+        Transfer {
+            order: Order::new(5).unwrap(),
+            channels: 3,
+            kind: TransferKind::Shadowed { bounces: 2 },
+            samples: 1024,
+            seed: u64::MAX,
+            coefficients: Vec::new(),
+            valid: Vec::new(),
+            back: None,
+        }
+    }
+
+    fn primitives() -> Vec<Primitive> {
+        let first = Primitive {
+            count: Some(7),
+            input_vertices: Some(4),
+            transfer: Some(3),
+            back: Some(Back {
+                count: 1,
+                vertices: 4,
+                transfer: 5,
+            }),
+            albedo: Some([0.5, 0.25, 0.1]),
+            ..Primitive::default()
+        };
+        let second = Primitive {
+            same_as: Some(0),
+            ..Primitive::default()
+        };
+        vec![first, second, Primitive::default()]
+    }
+
+    #[test]
+    fn a_header_comes_back_as_it_went() {
+        let hash = "0123456789abcdef".repeat(4);
+        for seed in [0, 1 << 53, (1 << 53) + 1, u64::MAX] {
+            let transfer = Transfer { seed, ..transfer() };
+            let text = to_json(&transfer, &hash, &primitives()).to_string();
+            let (meaning, read) = from_json(&serde_json::from_str(&text).unwrap()).unwrap();
+            assert_eq!(read, primitives());
+            let expected = Meaning {
+                order: transfer.order,
+                channels: 3,
+                kind: transfer.kind,
+                samples: 1024,
+                seed,
+                source_hash: hash.clone(),
+            };
+            assert_eq!(meaning, expected);
+        }
+    }
+
+    #[test]
+    fn unknown_tokens_are_refused_by_name() {
+        let changes = [
+            ("basis", "haar"),
+            ("convention", "real-cs"),
+            ("quantity", "radiance"),
+            ("colour", "srgb"),
+            ("precision", "f16"),
+            ("frame", "object"),
+            ("kind", "glossy\u{1b}"),
+            ("seed", "-1"),
+            ("source", "sha256:12"),
+            ("samples", "many"),
+        ];
+        for (key, value) in changes {
+            let mut json = to_json(&transfer(), "", &[]);
+            json[key] = value.into();
+            let Err(HeaderError::Wrong(what)) = from_json(&json) else {
+                panic!("{key} {value} was accepted");
+            };
+            assert!(!what.contains(['\u{1b}', '\n']), "{what}");
+        }
+        for (key, value) in [
+            ("order", 0),
+            ("order", 33),
+            ("channels", 2),
+            ("channels", 4),
+        ] {
+            let mut json = to_json(&transfer(), "", &[]);
+            json[key] = value.into();
+            assert!(matches!(from_json(&json), Err(HeaderError::Wrong(_))));
+        }
+    }
+
+    #[test]
+    fn a_version_to_come_is_told_apart() {
+        let mut json = to_json(&transfer(), "", &[]);
+        json["version"] = 2.into();
+        assert!(matches!(from_json(&json), Err(HeaderError::Newer(2))));
+        json["version"] = "1".into();
+        assert!(matches!(from_json(&json), Err(HeaderError::Wrong(_))));
+    }
+}

@@ -1,0 +1,209 @@
+//! `.glb` in, asset out.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::header::{self, HeaderError, Meaning, Primitive};
+use super::{Asset, AssetError, container, merge, strip, views};
+use super::{BackTransfer, Transfer};
+use crate::scene::{Instance, Scene};
+use views::Views;
+
+/// Reads a baked `.glb`.
+///
+/// The scene's document is the one that was baked, without the transfer, so that writing the asset again gives the same bytes. Every
+/// length, token and number is checked; errors name the file.
+pub fn read(path: &Path) -> Result<Asset, AssetError> {
+    let bytes = std::fs::read(path).map_err(|error| AssetError::from(error).of(path))?;
+    from_glb(&bytes).map_err(|error| error.of(path))
+}
+
+/// [`read`] from memory.
+pub fn from_glb(bytes: &[u8]) -> Result<Asset, AssetError> {
+    let (json, bin) = container::split(bytes)?;
+    let json: Value = serde_json::from_slice(json)
+        .map_err(|error| AssetError::Container(format!("its JSON is damaged: {error}")))?;
+    // Before the scene is read: without transfer there is no point.
+    if !nodes(&json).any(|node| extension(node).is_some()) {
+        return Err(AssetError::NoTransfer);
+    }
+    todo!()//assemble(&json, bin, crate::scene::gltf::from_glb(bytes)?)
+}
+
+fn nodes(json: &Value) -> impl Iterator<Item = &Value> {
+    json["nodes"].as_array().into_iter().flatten()
+}
+
+fn extension(node: &Value) -> Option<&Value> {
+    node["extensions"].get(header::NAME)
+}
+
+/// Joins the scene of a file with the transfer in its JSON and binary chunk.
+pub fn assemble(json: &Value, bin: &[u8], mut scene: Scene) -> Result<Asset, AssetError> {
+    let headers = headers(json, &scene)?;
+    let Some((_, (meaning, _))) = headers.iter().flatten().next() else {
+        return Err(AssetError::NoTransfer);
+    };
+    let meaning = meaning.clone();
+    let mut gathered = Gathered::new(&meaning, Views::new(json, bin));
+    let mut entries = Vec::with_capacity(scene.instances.len());
+    for instance in &scene.instances {
+        let entry = entry_of(&headers, instance, &meaning)?;
+        if entry.same_as.is_none() {
+            let vertices = scene.meshes[instance.mesh].positions.len();
+            gathered.add(instance, entry, vertices)?;
+        }
+        entries.push(entry.clone());
+    }
+    let transfer = gathered.finish();
+    merge::apply(&mut scene, &entries)?;
+    if let Some(document) = &mut scene.document {
+        let length = strip::strip(&mut document.json, document.bin.len());
+        document.bin.truncate(length);
+    }
+    scene.source_hash = meaning.source_hash;
+    Ok(Asset { scene, transfer })
+}
+
+/// By node: the node and what its extension says.
+type Headers = Vec<Option<(usize, (Meaning, Vec<Primitive>))>>;
+
+/// The header of every node that an instance stands on, by node.
+fn headers(json: &Value, scene: &Scene) -> Result<Headers, AssetError> {
+    let mut headers: Headers = vec![None; nodes(json).count()];
+    for node in scene.instances.iter().map(|instance| instance.node) {
+        let place = headers.get_mut(node);
+        let (Some(place), Some(json)) = (place, json["nodes"].get(node)) else {
+            return Err(wrong(node, "stands on a node that is not there"));
+        };
+        if place.is_some() {
+            continue;
+        }
+        if let Some(extension) = extension(json) {
+            let header = header::from_json(extension).map_err(|error| match error {
+                HeaderError::Newer(version) => AssetError::Newer(version),
+                HeaderError::Wrong(what) => wrong(node, &what),
+            })?;
+            *place = Some((node, header));
+        }
+    }
+    Ok(headers)
+}
+
+/// What the file says of an instance.
+fn entry_of<'h>(
+    headers: &'h Headers,
+    instance: &Instance,
+    meaning: &Meaning,
+) -> Result<&'h Primitive, AssetError> {
+    let Instance { node, primitive, .. } = *instance;
+    let Some((_, (own, primitives))) = &headers[node] else {
+        return Err(wrong(node, "is missing, though other nodes have it"));
+    };
+    if own != meaning {
+        return Err(wrong(node, "has another header than other nodes"));
+    }
+    let entry = primitives.get(primitive);
+    let known = entry.filter(|entry| entry.same_as.is_some() || entry.transfer.is_some());
+    let what = || format!("has no transfer for primitive {primitive}");
+    let entry = known.ok_or_else(|| wrong(node, &what()))?;
+    if let Some(first) = entry.same_as {
+        // Runs of primitives that share their vertices are whole: nothing else stands between.
+        let run = primitives.get(first..primitive).unwrap_or_default();
+        let rest = run.get(1..).unwrap_or_default();
+        let whole = run.first().is_some_and(|e| e.transfer.is_some())
+            && rest.iter().all(|e| e.same_as == Some(first));
+        if !whole {
+            let what = format!("lets primitive {primitive} share what primitive {first} has not");
+            return Err(wrong(node, &what));
+        }
+    }
+    Ok(entry)
+}
+
+fn wrong(node: usize, what: &str) -> AssetError {
+    AssetError::Transfer {
+        node,
+        what: what.to_owned(),
+    }
+}
+
+/// The transfer so far.
+struct Gathered<'a> {
+    views: Views<'a>,
+    transfer: Transfer,
+    back: BackTransfer,
+}
+
+impl<'a> Gathered<'a> {
+    fn new(meaning: &Meaning, views: Views<'a>) -> Self {
+        Self {
+            views,
+            transfer: Transfer {
+                order: meaning.order,
+                channels: meaning.channels,
+                kind: meaning.kind,
+                samples: meaning.samples,
+                seed: meaning.seed,
+                coefficients: Vec::new(),
+                valid: Vec::new(),
+                back: None,
+            },
+            back: BackTransfer {
+                vertices: Vec::new(),
+                coefficients: Vec::new(),
+            },
+        }
+    }
+
+    /// Appends one instance of `vertices` vertices.
+    fn add(
+        &mut self,
+        instance: &Instance,
+        entry: &Primitive,
+        vertices: usize,
+    ) -> Result<(), AssetError> {
+        let fail = |what: String| {
+            let what = format!("of primitive {} {what}", instance.primitive);
+            wrong(instance.node, &what)
+        };
+        if entry.count != Some(vertices) {
+            let count = entry.count.unwrap_or(0);
+            let what = format!("counts {count} vertices, but there are {vertices}");
+            return Err(fail(what));
+        }
+        if entry.input_vertices.is_none_or(|inputs| inputs > vertices) {
+            return Err(fail("has a wrong inputVertices".to_owned()));
+        }
+        if entry.albedo.is_some_and(|a| !a.iter().all(|c| (0.0..f32::INFINITY).contains(c))) {
+            return Err(fail("has an albedo that is none".to_owned()));
+        }
+        let stride = self.transfer.stride();
+        let first = self.transfer.vertex_count();
+        let view = entry.transfer.unwrap_or(usize::MAX);
+        let views = &mut self.views;
+        views
+            .floats(view, vertices, stride, &mut self.transfer.coefficients)
+            .map_err(fail)?;
+        match entry.valid {
+            Some(view) => views.flags(view, vertices, &mut self.transfer.valid).map_err(fail)?,
+            None => self.transfer.valid.resize(first + vertices, true),
+        }
+        if let Some(back) = &entry.back {
+            let local = views.ascending(back.vertices, back.count, vertices).map_err(fail)?;
+            let offset = u32::try_from(first + vertices).map(|_| first as u32);
+            let offset = offset.map_err(|_| fail("ends past 2³² vertices".to_owned()))?;
+            self.back.vertices.extend(local.iter().map(|v| v + offset));
+            views
+                .floats(back.transfer, back.count, stride, &mut self.back.coefficients)
+                .map_err(fail)?;
+        }
+        Ok(())
+    }
+
+    fn finish(mut self) -> Transfer {
+        self.transfer.back = Some(self.back).filter(|back| !back.vertices.is_empty());
+        self.transfer
+    }
+}

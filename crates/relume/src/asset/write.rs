@@ -1,0 +1,233 @@
+//! Asset in, `.glb` out.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::builder::{Builder, array, malformed, object};
+use super::container::{Container, Part};
+use super::header::{self, Back, Primitive};
+use super::{Asset, AssetError, Transfer, fresh, tessellated};
+use crate::basis::Order;
+use crate::files::write_atomically;
+use crate::scene::{Instance, Scene};
+
+/// Writes `asset` as a `.glb`: whole or not at all, without a second copy of the transfer in memory.
+///
+/// A scene that came from glTF comes back with its JSON and its binary chunk as they were, plus `RELUME_transfer` on every node that has
+/// a mesh (docs/format.md); any other becomes a minimal glTF. Refuses, before it touches the disk, more than a `.glb` can hold and
+/// what glTF cannot say ([`predicted_size`] refuses the same before a bake). Whether `path` is the input is the caller's to judge:
+/// [`same_file`].
+pub fn write(asset: &Asset, path: &Path) -> Result<(), AssetError> {
+    let container = plan(asset).map_err(|error| error.of(path))?;
+    write_atomically(path, |writer| container.write(writer))
+        .map_err(|error| AssetError::from(error).of(path))
+}
+
+/// The bytes that [`write`] writes.
+pub fn to_glb(asset: &Asset) -> Result<Vec<u8>, AssetError> {
+    let container = plan(asset)?;
+    let mut bytes = Vec::with_capacity(container.len());
+    container.write(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// An upper bound, close, of the size in bytes of the `.glb` that a bake of `scene` will become.
+///
+/// Fails for every reason in the scene that would make [`write`] fail, so that nobody bakes for an hour what cannot be written.
+pub fn predicted_size(scene: &Scene, order: Order, channels: usize) -> Result<u64, AssetError> {
+    // Room for what the extension says of a node, and of a primitive with its views.
+    const NODE: u64 = 640;
+    const PRIMITIVE: u64 = 640;
+    let vector = (4 * channels * order.count()) as u64;
+    let mut bytes = scene_alone(scene)?.finish()?.len() as u64;
+    for instance in &scene.instances {
+        let mesh = &scene.meshes[instance.mesh];
+        let vertices = mesh.positions.len() as u64;
+        let backs = double_sided_vertices(scene, instance);
+        bytes += NODE + PRIMITIVE * mesh.groups.len().max(1) as u64;
+        bytes += vertices * (vector + 1) + backs * (vector + 4);
+    }
+    match u32::try_from(bytes) {
+        Ok(_) => Ok(bytes),
+        Err(_) => Err(AssetError::TooLarge(bytes)),
+    }
+}
+
+/// Whether two paths lead to the same existing file, links resolved.
+pub fn same_file(a: &Path, b: &Path) -> bool {
+    match (a.canonicalize(), b.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => false,
+    }
+}
+
+fn double_sided_vertices(scene: &Scene, instance: &Instance) -> u64 {
+    let mesh = &scene.meshes[instance.mesh];
+    let mut seen = vec![false; mesh.positions.len()];
+    let groups = mesh.groups.iter();
+    for group in groups.filter(|g| scene.materials[g.material].double_sided) {
+        for &i in group.triangles.as_flattened() {
+            seen[i as usize] = true;
+        }
+    }
+    seen.into_iter().filter(|&seen| seen).count() as u64
+}
+
+/// The document without transfer.
+fn scene_alone(scene: &Scene) -> Result<Builder<'_>, AssetError> {
+    let Some(document) = &scene.document else {
+        return fresh::build(scene);
+    };
+    let mut builder = Builder::of(document)?;
+    tessellated::replace(&mut builder, scene)?;
+    Ok(builder)
+}
+
+fn plan(asset: &Asset) -> Result<Container<'_>, AssetError> {
+    check(asset)?;
+    let Asset { scene, transfer } = asset;
+    let mut builder = scene_alone(scene)?;
+    let mut nodes: BTreeMap<usize, Vec<Primitive>> = BTreeMap::new();
+    let mut first = 0;
+    for (i, instance) in scene.instances.iter().enumerate() {
+        let mesh = &scene.meshes[instance.mesh];
+        let (node, start, run) = match &scene.document {
+            Some(_) => (instance.node, instance.primitive, mesh.groups.len().max(1)),
+            None => (i, 0, fresh::groups(mesh).count()),
+        };
+        let mut entry = entry(&mut builder, transfer, first..first + mesh.positions.len())?;
+        entry.input_vertices = Some(mesh.input_vertices);
+        let places = primitives(&mut builder, node)?;
+        let entries = nodes.entry(node).or_default();
+        entries.resize_with(places.len(), Primitive::default);
+        let run = start..start + run;
+        if run.end > places.len()
+            || entries[run.clone()]
+                .iter()
+                .any(|e| *e != Primitive::default())
+        {
+            return Err(malformed("two instances stand for the same primitive"));
+        }
+        if places[start].get("material").is_none() {
+            let material = mesh
+                .groups
+                .first()
+                .map(|group| &scene.materials[group.material]);
+            let [r, g, b, _] = material.map_or([1.0; 4], |material| material.base_color);
+            entry.albedo = Some([r, g, b]).filter(|&albedo| albedo != [1.0; 3]);
+        }
+        entries[run.clone()].fill(Primitive {
+            same_as: Some(start),
+            ..Primitive::default()
+        });
+        entries[start] = entry;
+        first += mesh.positions.len();
+    }
+    for (node, entries) in nodes {
+        let json = header::to_json(transfer, &scene.source_hash, &entries);
+        let node = object(&mut builder.array("nodes")?[node], "a node")?;
+        let extensions = node.entry("extensions").or_insert_with(|| json!({}));
+        object(extensions, "extensions")?.insert(header::NAME.to_owned(), json);
+    }
+    builder.array("extensionsUsed")?.push(header::NAME.into());
+    builder.finish()
+}
+
+/// The primitives of the mesh of a node.
+fn primitives<'b>(builder: &'b mut Builder<'_>, node: usize) -> Result<&'b [Value], AssetError> {
+    let node = builder.json["nodes"].get(node);
+    let mesh = node.and_then(|node| node["mesh"].as_u64());
+    let mesh = mesh.ok_or_else(|| malformed("an instance names no node with a mesh"))?;
+    let mesh = array(&mut builder.json, "meshes")?.get_mut(mesh as usize);
+    let mesh = mesh.ok_or_else(|| malformed("a node names no mesh"))?;
+    Ok(array(mesh, "primitives")?)
+}
+
+/// Adds the arrays of a run of vertices; returns what the extension says of them.
+fn entry<'a>(
+    builder: &mut Builder<'a>,
+    transfer: &'a Transfer,
+    vertices: std::ops::Range<usize>,
+) -> Result<Primitive, AssetError> {
+    let stride = transfer.stride();
+    let floats = &transfer.coefficients[vertices.start * stride..vertices.end * stride];
+    let valid = &transfer.valid[vertices.clone()];
+    let mut entry = Primitive {
+        count: Some(vertices.len()),
+        transfer: Some(builder.view(Part::Floats(floats))?),
+        ..Primitive::default()
+    };
+    if !valid.iter().all(|&valid| valid) {
+        let bytes: &[u8] = bytemuck::cast_slice(valid);
+        entry.valid = Some(builder.view(Part::Bytes(bytes.into()))?);
+    }
+    let Some(back) = &transfer.back else {
+        return Ok(entry);
+    };
+    let place = |vertex: usize| back.vertices.partition_point(|&v| (v as usize) < vertex);
+    let (from, to) = (place(vertices.start), place(vertices.end));
+    if from < to {
+        let local = back.vertices[from..to]
+            .iter()
+            .map(|v| v - vertices.start as u32);
+        let local: Vec<u8> = local.flat_map(u32::to_le_bytes).collect();
+        let floats = &back.coefficients[from * stride..to * stride];
+        entry.back = Some(Back {
+            count: to - from,
+            vertices: builder.view(Part::Bytes(local.into()))?,
+            transfer: builder.view(Part::Floats(floats))?,
+        });
+    }
+    Ok(entry)
+}
+
+/// Whether every array has the length it must have, and every number is one.
+fn check(asset: &Asset) -> Result<(), AssetError> {
+    let Asset { scene, transfer } = asset;
+    let wrong = |what: String| Err(AssetError::Mismatch(what));
+    for instance in &scene.instances {
+        let mesh = scene.meshes.get(instance.mesh);
+        let groups = mesh.map(|mesh| mesh.groups.as_slice());
+        let materials = scene.materials.len();
+        match groups {
+            Some(groups) if groups.iter().all(|g| g.material < materials) => {}
+            _ => return wrong("an instance names a mesh or a material that is not there".into()),
+        }
+    }
+    let (vertices, vectors) = (scene.vertex_count(), transfer.vertex_count());
+    if vertices != vectors {
+        return wrong(format!(
+            "{vectors} transfer vectors for {vertices} vertices"
+        ));
+    }
+    if !matches!(transfer.channels, 1 | 3) {
+        return wrong(format!("{} channels, not 1 or 3", transfer.channels));
+    }
+    let stride = transfer.stride();
+    let no_back = super::BackTransfer {
+        vertices: Vec::new(),
+        coefficients: Vec::new(),
+    };
+    let back = transfer.back.as_ref().unwrap_or(&no_back);
+    if transfer.coefficients.len() != vertices * stride
+        || back.coefficients.len() != back.vertices.len() * stride
+    {
+        return wrong("its number of coefficients is not vertices · channels · order²".into());
+    }
+    let ascending = back.vertices.is_sorted_by(|a, b| a < b);
+    if !ascending
+        || back
+            .vertices
+            .last()
+            .is_some_and(|&v| v as usize >= vertices)
+    {
+        return wrong("its back sides do not name ascending vertices".into());
+    }
+    let mut all = transfer.coefficients.iter().chain(&back.coefficients);
+    match all.position(|c| !c.is_finite()) {
+        Some(i) => wrong(format!("coefficient {i} is not finite")),
+        None => Ok(()),
+    }
+}

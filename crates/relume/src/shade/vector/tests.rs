@@ -1,0 +1,233 @@
+use glam::{DAffine3, DVec3, Vec3};
+use proptest::prelude::*;
+
+use super::*;
+use crate::asset::{BackTransfer, TransferKind};
+use crate::basis::sh;
+use crate::scene::{Group, Instance, Material, Mesh, Scene};
+
+/// `A_l/π` of the clamped cosine for degrees 0…6 [ramamoorthi2001]: 1, 2/3, 1/4, 0, −1/24, 0, 1/64.
+const COSINE: [f64; 7] = [1.0, 2.0 / 3.0, 0.25, 0.0, -1.0 / 24.0, 0.0, 1.0 / 64.0];
+
+fn degree(i: usize) -> usize {
+    i.isqrt()
+}
+
+/// Unshadowed transfer `A_l/π Y_i(n)` at each normal.
+fn unshadowed(order: Order, normals: &[DVec3]) -> Transfer {
+    let vector = |&n: &DVec3| {
+        let values = sh::eval(order, n);
+        let scaled = values.into_iter().enumerate();
+        scaled.map(|(i, y)| (COSINE[degree(i)] * y) as f32)
+    };
+    Transfer {
+        order,
+        channels: 1,
+        kind: TransferKind::Unshadowed,
+        samples: 0,
+        seed: 0,
+        coefficients: normals.iter().flat_map(vector).collect(),
+        valid: vec![true; normals.len()],
+        back: None,
+    }
+}
+
+fn distant(order: Order, coefficient: impl Fn(usize) -> [f32; 3]) -> IncidentLight {
+    let coefficients = (0..order.count()).map(coefficient).collect();
+    IncidentLight::Distant(ShLight::new(order, coefficients))
+}
+
+/// Radiance 1 from everywhere: only Y_00 = 1/√4π answers, with √4π.
+fn constant(order: Order) -> IncidentLight {
+    let c = (4.0 * std::f64::consts::PI).sqrt() as f32;
+    distant(order, |i| if i == 0 { [c; 3] } else { [0.0; 3] })
+}
+
+fn normals(count: usize) -> Vec<DVec3> {
+    let golden = 2.399_963_229_728_653;
+    let one = |i: usize| {
+        let z = 1.0 - (2 * i + 1) as f64 / count as f64;
+        let r = (1.0 - z * z).sqrt();
+        let (y, x) = (golden * i as f64).sin_cos();
+        DVec3::new(r * x, r * y, z)
+    };
+    (0..count).map(one).collect()
+}
+
+/// One vertex per normal, one triangle per three, of albedo (0.25, 0.5, 1).
+fn world(normals: &[DVec3]) -> World {
+    let triangles = (0..normals.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
+    let mesh = Mesh {
+        positions: normals.iter().map(|n| n.as_vec3()).collect(),
+        normals: normals.iter().map(|n| n.as_vec3()).collect(),
+        groups: vec![Group {
+            material: 0,
+            triangles: triangles.collect(),
+        }],
+        input_vertices: normals.len(),
+        ..Mesh::default()
+    };
+    World::new(&Scene {
+        meshes: vec![mesh],
+        materials: vec![Material::diffuse("third", [0.25, 0.5, 1.0])],
+        instances: vec![Instance {
+            mesh: 0,
+            node: 0,
+            primitive: 0,
+            world_from_object: DAffine3::IDENTITY,
+        }],
+        ..Scene::default()
+    })
+}
+
+#[test]
+fn constant_light_on_open_surfaces_gives_back_the_albedo() {
+    let order = Order::new(5).unwrap();
+    let normals = normals(30);
+    let radiance = radiance(
+        &world(&normals),
+        &unshadowed(order, &normals),
+        &constant(order),
+    );
+    for value in radiance {
+        for (found, albedo) in value.into_iter().zip([0.25f32, 0.5, 1.0]) {
+            // Y_00 and √4π are each rounded to f32 once, and so is their product: 1.5 ulp.
+            let error = (found - albedo).abs();
+            assert!(error <= 1.5 * f32::EPSILON * albedo, "{found} for {albedo}");
+        }
+    }
+}
+
+/// Legendre polynomials by Bonnet's recurrence: shares nothing with the basis.
+fn legendre(l: usize, x: f64) -> f64 {
+    let (mut before, mut now) = (1.0, x);
+    for k in 1..l {
+        (before, now) = (
+            now,
+            ((2 * k + 1) as f64 * x * now - k as f64 * before) / (k + 1) as f64,
+        );
+    }
+    if l == 0 { 1.0 } else { now }
+}
+
+#[test]
+fn a_directional_light_is_the_legendre_series_of_the_angle() {
+    let order = Order::new(7).unwrap();
+    let normals = normals(40);
+    let d = DVec3::new(0.48, -0.64, 0.6);
+    let lobe = sh::eval(order, d);
+    let light = distant(order, |i| [lobe[i] as f32, 2.0 * lobe[i] as f32, 0.0]);
+    let found = transferred_radiance(&unshadowed(order, &normals), &light);
+    // Σ|terms| is below Σ_l (2l+1)/4π · |A_l/π| ≈ 0.38; 49 roundings of at most 2⁻²⁴ each on twice that (the second channel).
+    let tolerance = 2.0 * 0.38 * 50.0 * f64::from(f32::EPSILON) / 2.0;
+    for (n, value) in normals.iter().zip(found) {
+        let series = order.degrees().map(|l| {
+            COSINE[l] * (2 * l + 1) as f64 / (4.0 * std::f64::consts::PI) * legendre(l, n.dot(d))
+        });
+        let expected: f64 = series.sum();
+        assert!((f64::from(value[0]) - expected).abs() < tolerance);
+        assert!((f64::from(value[1]) - 2.0 * expected).abs() < tolerance);
+        assert_eq!(value[2], 0.0);
+    }
+}
+
+#[test]
+fn light_of_higher_order_is_cut_and_of_lower_order_padded() {
+    let [three, five] = [3, 5].map(|n| Order::new(n).unwrap());
+    let normals = normals(12);
+    let value = |i: usize| [1.0 + i as f32, 0.5 - i as f32, 0.25 * i as f32];
+    let narrow = unshadowed(three, &normals);
+    assert_eq!(
+        transferred_radiance(&narrow, &distant(five, value)),
+        transferred_radiance(&narrow, &distant(three, value)),
+    );
+    let padded = |i: usize| if i < 9 { value(i) } else { [0.0; 3] };
+    let wide = unshadowed(five, &normals);
+    assert_eq!(
+        transferred_radiance(&wide, &distant(three, value)),
+        transferred_radiance(&wide, &distant(five, padded)),
+    );
+}
+
+#[test]
+fn back_sides_answer_for_their_own_vertices() {
+    let order = Order::new(4).unwrap();
+    let normals = normals(6);
+    let flipped: Vec<DVec3> = [1, 4].iter().map(|&i: &usize| -normals[i]).collect();
+    let mut transfer = unshadowed(order, &normals);
+    let light = distant(order, |i| [i as f32, 1.0, -(i as f32)]);
+    assert!(transferred_radiance_back(&transfer, &light).is_empty());
+    let back = unshadowed(order, &flipped);
+    transfer.back = Some(BackTransfer {
+        vertices: vec![1, 4],
+        coefficients: back.coefficients.clone(),
+    });
+    assert_eq!(
+        transferred_radiance_back(&transfer, &light),
+        transferred_radiance(&back, &light)
+    );
+}
+
+#[test]
+fn three_channels_keep_to_their_own_colour() {
+    let order = Order::new(1).unwrap();
+    let transfer = Transfer {
+        channels: 3,
+        coefficients: vec![1.0, 2.0, 4.0, 8.0, 16.0, 32.0],
+        valid: vec![true; 2],
+        ..unshadowed(order, &[])
+    };
+    let light = distant(order, |_| [1.0, 10.0, 100.0]);
+    assert_eq!(
+        transferred_radiance(&transfer, &light),
+        [[1.0, 20.0, 400.0], [8.0, 160.0, 3200.0]]
+    );
+}
+
+/// The parallel and chunked path against one plain loop over the layout that the type promises, many chunks long.
+#[test]
+fn every_vertex_of_a_long_list_meets_its_own_vector() {
+    let order = Order::new(2).unwrap();
+    let count = 5000;
+    let transfer = Transfer {
+        coefficients: (0..count * 4).map(|i| (i % 1013) as f32).collect(),
+        valid: vec![true; count],
+        ..unshadowed(order, &[])
+    };
+    let light = distant(order, |i| [[1.0, 2.0, 3.0, 4.0][i], 1.0, 0.0]);
+    let found = transferred_radiance(&transfer, &light);
+    assert_eq!(found.len(), count);
+    for (vertex, value) in found.into_iter().enumerate() {
+        // Small whole numbers: every sum is exact in f32.
+        let [a, b, c, d] = [0, 1, 2, 3].map(|i| transfer.vector(vertex, 0)[i]);
+        assert_eq!(value, [a + 2.0 * b + 3.0 * c + 4.0 * d, a + b + c + d, 0.0]);
+    }
+}
+
+proptest! {
+    #[test]
+    fn shading_is_linear_in_light(
+        n in 1usize..9,
+        a in proptest::collection::vec(-8i8..8, 81),
+        b in proptest::collection::vec(-8i8..8, 81),
+        t in proptest::collection::vec(-8i8..8, 3 * 81),
+    ) {
+        // Whole numbers small enough that f32 is exact: linearity must hold to the bit.
+        let order = Order::new(n).unwrap();
+        let transfer = Transfer {
+            channels: 3,
+            coefficients: t[..3 * order.count()].iter().map(|&x| f32::from(x)).collect(),
+            valid: vec![true],
+            ..unshadowed(order, &[])
+        };
+        let of = |f: &dyn Fn(usize) -> f32| {
+            let light = distant(order, |i| [f(i), 2.0 * f(i), -f(i)]);
+            Vec3::from(transferred_radiance(&transfer, &light)[0])
+        };
+        let (fa, fb) = (|i: usize| f32::from(a[i]), |i: usize| f32::from(b[i]));
+        let sum = of(&|i| fa(i) + 3.0 * fb(i));
+        prop_assert_eq!(sum, of(&fa) + 3.0 * of(&fb));
+        let plain: f32 = (0..order.count()).map(|i| transfer.vector(0, 1)[i] * 2.0 * fa(i)).sum();
+        prop_assert_eq!(of(&fa).y, plain);
+    }
+}
