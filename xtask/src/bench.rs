@@ -89,15 +89,16 @@ fn mitsuba(context: &Context, arguments: &[String]) -> Result<bool, String> {
         .arg(tool)
         .arg("--work")
         .arg(context.target.join("bench/mitsuba"));
-    if !arguments.iter().any(|argument| argument == "--mesh") {
-        for mesh in ["armadillo_43k.obj", "happy_buddha_50k.obj"] {
-            let path = context.shared(&format!("data/meshes/{mesh}"));
-            python.arg("--mesh").arg(
-                path.ok_or_else(|| {
-                    format!("../shared has no {mesh}; name a mesh: -- --mesh FILE")
-                })?,
-            );
+    if !arguments
+        .iter()
+        .any(|argument| argument.starts_with("--mesh"))
+    {
+        let figures = ["armadillo_43k.obj", "happy_buddha_50k.obj"];
+        let meshes = figures.map(|name| context.shared(&format!("data/meshes/{name}")));
+        for mesh in meshes.iter().flatten() {
+            python.arg("--mesh").arg(mesh);
         }
+        python.args(["--mesh", "two-objects"]);
     }
     process::succeeds(python.args(arguments))
 }
