@@ -53,7 +53,13 @@ fn a_scene_made_in_memory_comes_back_with_its_transfer() {
     assert_eq!(read.transfer, asset.transfer);
     assert_eq!(read.scene.source_hash, asset.scene.source_hash);
     assert_same_world(&read.scene, &asset.scene);
-    let names = |scene: &Scene| scene.meshes.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
+    let names = |scene: &Scene| {
+        scene
+            .meshes
+            .iter()
+            .map(|m| m.name.clone())
+            .collect::<Vec<_>>()
+    };
     assert_eq!(names(&read.scene), ["plate", "fern"]);
     let materials = |scene: &Scene| format!("{:?}", scene.materials);
     assert_eq!(materials(&read.scene), materials(&asset.scene));
@@ -65,7 +71,12 @@ fn a_scene_made_in_memory_comes_back_with_its_transfer() {
 fn every_kind_of_transfer_comes_back() {
     let scene = samples::scene();
     let vertices = scene.vertex_count();
-    for (order, channels, back) in [(1, 1, None), (5, 1, Some(0)), (32, 3, None), (2, 3, Some(vertices - 1))] {
+    for (order, channels, back) in [
+        (1, 1, None),
+        (5, 1, Some(0)),
+        (32, 3, None),
+        (2, 3, Some(vertices - 1)),
+    ] {
         let mut transfer = samples::transfer(vertices, order, channels, back);
         if order == 1 {
             transfer.kind = TransferKind::Unshadowed;
@@ -81,11 +92,24 @@ fn every_kind_of_transfer_comes_back() {
 /// A document with what Relume does not know: extras, an extension, a camera, a line primitive, an interleaved accessor.
 fn document() -> Document {
     let vertex = |x: f32, y: f32, u: f32| [x, y, 0.25, 0.0, 0.0, 1.0, u, y];
-    let corners = [vertex(0.0, 0.0, 0.0), vertex(2.0, 0.0, 1.0), vertex(2.0, 1.0, 1.0), vertex(0.0, 1.0, 0.0)];
-    let mut bin: Vec<u8> = corners.iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
+    let corners = [
+        vertex(0.0, 0.0, 0.0),
+        vertex(2.0, 0.0, 1.0),
+        vertex(2.0, 1.0, 1.0),
+        vertex(0.0, 1.0, 0.0),
+    ];
+    let mut bin: Vec<u8> = corners
+        .iter()
+        .flatten()
+        .flat_map(|c| c.to_le_bytes())
+        .collect();
     bin.extend([0, 1, 2, 0, 2, 3, 9]);
     let image = samples::scene();
-    let fresh = to_glb(&Asset { transfer: samples::transfer(image.vertex_count(), 1, 1, None), scene: image }).unwrap();
+    let fresh = to_glb(&Asset {
+        transfer: samples::transfer(image.vertex_count(), 1, 1, None),
+        scene: image,
+    })
+    .unwrap();
     let (fresh, chunk) = parts(&fresh);
     let png = fresh["images"][0]["bufferView"].as_u64().unwrap() as usize;
     let png = &fresh["bufferViews"][png];
@@ -93,8 +117,10 @@ fn document() -> Document {
     let length = png["byteLength"].as_u64().unwrap() as usize;
     bin.resize(136, 0);
     bin.extend(&chunk[start..start + length]);
-    let accessor = |offset: u32, kind: &str| json!({
-        "bufferView": 0, "byteOffset": offset, "componentType": 5126, "count": 4, "type": kind });
+    let accessor = |offset: u32, kind: &str| {
+        json!({
+        "bufferView": 0, "byteOffset": offset, "componentType": 5126, "count": 4, "type": kind })
+    };
     let mut position = accessor(0, "VEC3");
     position["min"] = json!([0.0, 0.0, 0.25]);
     position["max"] = json!([2.0, 1.0, 0.25]);
@@ -158,11 +184,17 @@ pub fn assert_contains(new: &Value, old: &Value, path: &str) {
             }
             let added: Vec<_> = new.keys().filter(|key| !old.contains_key(*key)).collect();
             let allowed = ["extensions", "extensionsUsed", "RELUME_transfer"];
-            assert!(added.iter().all(|key| allowed.contains(&key.as_str())), "{path}: {added:?}");
+            assert!(
+                added.iter().all(|key| allowed.contains(&key.as_str())),
+                "{path}: {added:?}"
+            );
         }
         (Value::Array(new), Value::Array(old)) => {
             let grows = ["/bufferViews", "/extensionsUsed"].contains(&path);
-            assert!(new.len() == old.len() || grows && new.len() > old.len(), "{path}");
+            assert!(
+                new.len() == old.len() || grows && new.len() > old.len(),
+                "{path}"
+            );
             for (i, (new, old)) in new.iter().zip(old).enumerate() {
                 assert_contains(new, old, &format!("{path}/{i}"));
             }
@@ -177,23 +209,40 @@ pub fn assert_contains(new: &Value, old: &Value, path: &str) {
 fn a_document_survives_entry_by_entry_and_byte_by_byte() {
     let asset = imported();
     let bytes = glb(&asset);
-    let Document { json: old, bin: old_bin } = document();
+    let Document {
+        json: old,
+        bin: old_bin,
+    } = document();
     let (new, bin) = parts(&bytes);
     assert!(bin.starts_with(&old_bin));
     assert_contains(&new, &old, "");
     let extension = &new["nodes"][2]["extensions"][header::NAME];
-    assert_eq!(extension["primitives"][0], json!({}), "lines have no transfer");
+    assert_eq!(
+        extension["primitives"][0],
+        json!({}),
+        "lines have no transfer"
+    );
     assert_eq!(extension["primitives"][2]["count"], 4);
-    assert!(new["nodes"][3].get("extensions").is_none(), "a camera has none");
+    assert!(
+        new["nodes"][3].get("extensions").is_none(),
+        "a camera has none"
+    );
     let read = from_glb(&bytes).unwrap();
     assert_eq!(read.transfer, asset.transfer);
-    assert_eq!(format!("{:?}", read.scene.meshes), format!("{:?}", asset.scene.meshes));
+    assert_eq!(
+        format!("{:?}", read.scene.meshes),
+        format!("{:?}", asset.scene.meshes)
+    );
     assert_eq!(glb(&read), bytes);
 }
 
 /// Every triangle gets a vertex at its middle, as a tessellator would append them; instances are unshared.
 fn split(scene: &mut Scene, which: impl Fn(usize) -> bool) {
-    let meshes: Vec<Mesh> = scene.instances.iter().map(|i| scene.meshes[i.mesh].clone()).collect();
+    let meshes: Vec<Mesh> = scene
+        .instances
+        .iter()
+        .map(|i| scene.meshes[i.mesh].clone())
+        .collect();
     scene.meshes = meshes;
     for (i, instance) in scene.instances.iter_mut().enumerate() {
         instance.mesh = i;
@@ -203,15 +252,22 @@ fn split(scene: &mut Scene, which: impl Fn(usize) -> bool) {
         }
         for corners in std::mem::take(&mut mesh.groups[0].triangles) {
             let [a, b, c] = corners;
-            let at = |of: &dyn Fn(usize) -> Vec3| corners.iter().map(|&i| of(i as usize)).sum::<Vec3>() / 3.0;
-            let (position, normal) = (at(&|i| mesh.positions[i]), at(&|i| mesh.normals[i]).normalize());
+            let at = |of: &dyn Fn(usize) -> Vec3| {
+                corners.iter().map(|&i| of(i as usize)).sum::<Vec3>() / 3.0
+            };
+            let (position, normal) = (
+                at(&|i| mesh.positions[i]),
+                at(&|i| mesh.normals[i]).normalize(),
+            );
             let new = mesh.positions.len() as u32;
             if !mesh.uvs.is_empty() {
                 mesh.uvs.push(at(&|i| mesh.uvs[i].extend(0.0)).truncate());
             }
             mesh.positions.push(position);
             mesh.normals.push(normal);
-            mesh.groups[0].triangles.extend([[a, b, new], [b, c, new], [c, a, new]]);
+            mesh.groups[0]
+                .triangles
+                .extend([[a, b, new], [b, c, new], [c, a, new]]);
         }
     }
 }
@@ -225,9 +281,20 @@ fn split_triangles_get_a_mesh_of_their_own_and_the_old_one_stays() {
     let asset = Asset { scene, transfer };
     let bytes = glb(&asset);
     let (new, bin) = parts(&bytes);
-    let Document { json: old, bin: old_bin } = document();
+    let Document {
+        json: old,
+        bin: old_bin,
+    } = document();
     assert!(bin.starts_with(&old_bin));
-    for key in ["accessors", "bufferViews", "meshes", "materials", "images", "textures", "cameras"] {
+    for key in [
+        "accessors",
+        "bufferViews",
+        "meshes",
+        "materials",
+        "images",
+        "textures",
+        "cameras",
+    ] {
         let old = old[key].as_array().unwrap();
         assert_eq!(&new[key].as_array().unwrap()[..old.len()], old, "{key}");
     }
@@ -241,7 +308,10 @@ fn split_triangles_get_a_mesh_of_their_own_and_the_old_one_stays() {
     let material = &new["materials"][1];
     assert_eq!(primitives[1]["material"], 1);
     assert_eq!(new["materials"].as_array().map(Vec::len), Some(2));
-    assert_eq!(material["pbrMetallicRoughness"]["baseColorTexture"], json!({ "index": 0 }));
+    assert_eq!(
+        material["pbrMetallicRoughness"]["baseColorTexture"],
+        json!({ "index": 0 })
+    );
     assert!(material.get("emissiveTexture").is_none());
     let read = from_glb(&bytes).unwrap();
     assert_eq!(read.transfer, asset.transfer);
@@ -286,17 +356,24 @@ fn a_file_is_written_and_read_by_path() {
     assert_eq!(read(&path).unwrap().transfer, asset.transfer);
     assert!(same_file(&path, &folder.path().join(".").join("out.glb")));
     assert!(!same_file(&path, folder.path()));
-    let error = read(&folder.path().join("none.glb")).unwrap_err().to_string();
+    let error = read(&folder.path().join("none.glb"))
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("none.glb: "), "{error}");
     std::fs::write(&path, join(&document().json, &document().bin)).unwrap();
     let error = read(&path).unwrap_err().to_string();
-    assert!(error.ends_with("out.glb: has no baked transfer; make one with `relume bake`"), "{error}");
+    assert!(
+        error.ends_with("out.glb: has no baked transfer; make one with `relume bake`"),
+        "{error}"
+    );
 }
 
 #[test]
 fn the_predicted_size_is_an_upper_bound_and_close() {
     for asset in [samples::asset(), imported()] {
-        let Transfer { order, channels, .. } = asset.transfer;
+        let Transfer {
+            order, channels, ..
+        } = asset.transfer;
         let predicted = predicted_size(&asset.scene, order, channels).unwrap();
         let actual = glb(&asset).len() as u64;
         assert!(predicted >= actual, "{predicted} for {actual}");
@@ -323,12 +400,30 @@ fn what_a_glb_cannot_say_is_refused_before_the_bake() {
     let sheared = glam::DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 1.0]);
     let sheared = glam::DAffine3::from_mat3(sheared);
     let cases: [(&dyn Fn(&mut Scene), &str); 6] = [
-        (&|s| s.instances[1].world_from_object = sheared, "instance \"1\" is sheared"),
-        (&|s| s.meshes[0].colors[2][1] = 1.5, "mesh \"fern\" has vertex colours outside"),
-        (&|s| s.meshes[1].groups.clear(), "mesh \"plate\" has no triangles"),
-        (&|s| s.meshes[0].positions[3].x = f32::NAN, "mesh \"fern\" has coordinates that"),
-        (&|s| s.meshes[0].normals[3] *= 2.0, "mesh \"fern\" has normals that"),
-        (&|s| s.materials[0].base_color[1] = 2.0, "material \"brass\" has a base colour outside"),
+        (
+            &|s| s.instances[1].world_from_object = sheared,
+            "instance \"1\" is sheared",
+        ),
+        (
+            &|s| s.meshes[0].colors[2][1] = 1.5,
+            "mesh \"fern\" has vertex colours outside",
+        ),
+        (
+            &|s| s.meshes[1].groups.clear(),
+            "mesh \"plate\" has no triangles",
+        ),
+        (
+            &|s| s.meshes[0].positions[3].x = f32::NAN,
+            "mesh \"fern\" has coordinates that",
+        ),
+        (
+            &|s| s.meshes[0].normals[3] *= 2.0,
+            "mesh \"fern\" has normals that",
+        ),
+        (
+            &|s| s.materials[0].base_color[1] = 2.0,
+            "material \"brass\" has a base colour outside",
+        ),
     ];
     for (change, expected) in cases {
         let error = refused(change);
@@ -341,10 +436,19 @@ fn transfer_that_does_not_fit_is_not_written() {
     let cases: [(&dyn Fn(&mut Transfer), &str); 6] = [
         (&|t| _ = t.valid.pop(), "transfer vectors for"),
         (&|t| _ = t.coefficients.pop(), "number of coefficients"),
-        (&|t| t.coefficients[5] = f32::INFINITY, "coefficient 5 is not finite"),
+        (
+            &|t| t.coefficients[5] = f32::INFINITY,
+            "coefficient 5 is not finite",
+        ),
         (&|t| t.channels = 2, "2 channels"),
-        (&|t| t.back.as_mut().unwrap().vertices.swap(0, 1), "ascending"),
-        (&|t| _ = t.back.as_mut().unwrap().coefficients.pop(), "number of coefficients"),
+        (
+            &|t| t.back.as_mut().unwrap().vertices.swap(0, 1),
+            "ascending",
+        ),
+        (
+            &|t| _ = t.back.as_mut().unwrap().coefficients.pop(),
+            "number of coefficients",
+        ),
     ];
     for (change, expected) in cases {
         let mut asset = samples::asset();
@@ -363,10 +467,19 @@ fn a_description_counts_and_warns() {
     assert_eq!(found.bytes_per_vertex, 4 * 3 * 9);
     assert_eq!(found.invalid, 5);
     assert_eq!(found.triangles, 8 + 18 + 8);
-    assert_eq!(found.back_vertices, asset.transfer.back.unwrap().vertices.len());
+    assert_eq!(
+        found.back_vertices,
+        asset.transfer.back.unwrap().vertices.len()
+    );
     let text = found.to_string();
-    assert!(text.contains("order 3 (9 coefficients), real-no-cs"), "{text}");
-    assert!(text.contains("ignores that material \"brass\" is metallic"), "{text}");
+    assert!(
+        text.contains("order 3 (9 coefficients), real-no-cs"),
+        "{text}"
+    );
+    assert!(
+        text.contains("ignores that material \"brass\" is metallic"),
+        "{text}"
+    );
 }
 
 mod damage;

@@ -36,12 +36,18 @@ fn versions_and_headers_that_differ_are_refused() {
         "has RELUME_transfer of version 2, but this relume reads version 1; update relume"
     );
     let error = error_of(|json, _| extension(json)["order"] = 3.into());
-    assert!(error.contains("node 2: RELUME_transfer has another header than other nodes"), "{error}");
+    assert!(
+        error.contains("node 2: RELUME_transfer has another header than other nodes"),
+        "{error}"
+    );
     let error = error_of(|json, _| {
         let extensions = json["nodes"][2]["extensions"].as_object_mut().unwrap();
         extensions.remove(header::NAME);
     });
-    assert!(error.contains("node 2: RELUME_transfer is missing"), "{error}");
+    assert!(
+        error.contains("node 2: RELUME_transfer is missing"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -50,7 +56,10 @@ fn counts_are_held_against_the_scene() {
         (("count", json!(5)), "counts 5 vertices, but there are 4"),
         (("count", Value::Null), "counts 0 vertices, but there are 4"),
         (("inputVertices", json!(5)), "wrong inputVertices"),
-        (("transfer", json!(999)), "names a buffer view that is not there"),
+        (
+            ("transfer", json!(999)),
+            "names a buffer view that is not there",
+        ),
         (("transfer", json!(-1)), "has primitives with invalid value"),
         (("transfer", Value::Null), "has no transfer for primitive 1"),
         (("sameAs", json!(0)), "shares what primitive 0 has not"),
@@ -70,9 +79,21 @@ fn views_are_held_against_the_bytes() {
     for (key, value, expected) in [
         ("byteLength", json!(44), "has 44 bytes, not 4 times 48"),
         ("byteLength", json!(u64::MAX), "bytes, not 4 times 48"),
-        ("byteOffset", json!(137), "does not begin at a multiple of 4"),
-        ("byteOffset", json!(1u64 << 40), "ends past the binary chunk"),
-        ("byteOffset", json!(u64::MAX - 3), "ends past the binary chunk"),
+        (
+            "byteOffset",
+            json!(137),
+            "does not begin at a multiple of 4",
+        ),
+        (
+            "byteOffset",
+            json!(1u64 << 40),
+            "ends past the binary chunk",
+        ),
+        (
+            "byteOffset",
+            json!(u64::MAX - 3),
+            "ends past the binary chunk",
+        ),
         ("byteStride", json!(4), "is not a plain run"),
         ("buffer", json!(1), ""),
         ("byteOffset", json!("x"), ""),
@@ -82,7 +103,9 @@ fn views_are_held_against_the_bytes() {
     }
     let error = error_of(|json, _| {
         let other = view(json, "transfer")["byteOffset"].as_u64().unwrap();
-        let second = extension(json)["primitives"][2]["transfer"].as_u64().unwrap() as usize;
+        let second = extension(json)["primitives"][2]["transfer"]
+            .as_u64()
+            .unwrap() as usize;
         json["bufferViews"][second]["byteOffset"] = (other + 4).into();
     });
     assert!(error.contains("overlaps another"), "{error}");
@@ -95,12 +118,16 @@ fn views_are_held_against_the_bytes() {
 
 #[test]
 fn numbers_are_held_against_what_they_mean() {
-    let place = |json: &mut Value, key: &str| view(json, key)["byteOffset"].as_u64().unwrap() as usize;
+    let place =
+        |json: &mut Value, key: &str| view(json, key)["byteOffset"].as_u64().unwrap() as usize;
     let error = error_of(|json, bin| {
         let at = place(json, "transfer") + 48;
         bin[at..at + 4].copy_from_slice(&f32::NAN.to_le_bytes());
     });
-    assert!(error.contains("of primitive 1 has a coefficient that is not finite, for vertex 1"), "{error}");
+    assert!(
+        error.contains("of primitive 1 has a coefficient that is not finite, for vertex 1"),
+        "{error}"
+    );
     let error = error_of(|json, bin| {
         // The second primitive holds vertices 4…7: the seventh of all is buried.
         let valid = extension(json)["primitives"][2]["valid"].as_u64().unwrap() as usize;
@@ -125,7 +152,10 @@ fn vertices_said_to_be_the_same_must_be() {
     let mesh = &mut json["meshes"][1]["primitives"][1]["attributes"];
     mesh["POSITION"] = mesh["NORMAL"].clone();
     let error = from_glb(&join(&json, bin)).unwrap_err().to_string();
-    assert!(error.contains("calls vertices the same that differ"), "{error}");
+    assert!(
+        error.contains("calls vertices the same that differ"),
+        "{error}"
+    );
 }
 
 proptest! {

@@ -24,11 +24,26 @@ fn the_flight_helmet_comes_back_byte_for_byte() {
     let ((old, old_bin), (new, new_bin)) = (parts(&input), parts(&output));
     assert!(new_bin.starts_with(old_bin));
     assert_contains(&new, &old, "");
-    for key in ["accessors", "images", "textures", "samplers", "materials", "meshes", "scenes", "asset"] {
+    for key in [
+        "accessors",
+        "images",
+        "textures",
+        "samplers",
+        "materials",
+        "meshes",
+        "scenes",
+        "asset",
+    ] {
         assert_eq!(new[key].to_string(), old[key].to_string(), "{key}");
     }
     let nodes = new["nodes"].as_array().unwrap();
-    assert_eq!(nodes.iter().filter(|n| !n["extensions"][header::NAME].is_null()).count(), 6);
+    assert_eq!(
+        nodes
+            .iter()
+            .filter(|n| !n["extensions"][header::NAME].is_null())
+            .count(),
+        6
+    );
     let read = from_glb(&output).unwrap();
     assert_eq!(read.transfer, asset.transfer);
     assert_eq!(read.transfer.vertex_count(), 55_392);
