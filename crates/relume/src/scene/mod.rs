@@ -46,6 +46,8 @@ pub struct Scene {
     pub document: Option<Document>,
     /// SHA-256 of the source file's bytes in lower-case hex; empty for scenes built in memory.
     pub source_hash: String,
+    /// The linear albedo that [`override_albedo`] gave to everything, which the document does not know of.
+    pub albedo_override: Option<[f32; 3]>,
     /// One line each, for the person who imported: what was assumed, ignored or repaired.
     pub warnings: Vec<String>,
 }
