@@ -1,1 +1,34 @@
-//! A plain path tracer: the oracle the bake is judged by.
+//! A plain diffuse path tracer: the oracle of the bake.
+//!
+//! It shares [`World`](crate::scene::World) with the baker and nothing else: the rays go one by one through obvhs's own traversal and
+//! triangle test, the random numbers are PCG32 and a shifted Hammersley set, the light is evaluated in f64 at the direction in which a
+//! path leaves the scene. Nothing is interpolated between vertices, so a bake differs from it by its noise and by its mesh.
+//!
+//! What it estimates, at a receiver with unit normal `n`, is the *transferred radiance*: irradiance over π after at most `k`
+//! interreflections, **without the receiver's own albedo**,
+//!
+//! ```text
+//! E_k(x)/π = 1/π ∫ max(0, n·ω) L_k(x, ω) dω,    L_k(x, ω) = L(ω) where ω is free, else albedo(y) · E_{k-1}(y)/π at the point y it hits.
+//! ```
+//!
+//! Surfaces: a back face blocks and reflects nothing unless its material is double-sided, in which case both sides reflect alike; the
+//! holes of an alpha mask let rays through; albedo = factor × vertex colour × texture at the point hit. The front is the side of the
+//! **interpolated shading normal** (as in Mitsuba): a ray that meets the surface against it is reflected about it, whatever the plane
+//! of the triangle says, and a reflected ray that dives under that plane goes on to meet back faces, which are black.
+
+mod compare;
+mod estimate;
+mod intersect;
+mod path;
+mod picture;
+mod rng;
+mod statistics;
+#[cfg(test)]
+mod tests;
+
+pub use compare::{CompareOptions, Comparison, Interval, VertexError, compare};
+pub use estimate::{
+    Estimate, EstimateOptions, Light, Receiver, TransferEstimate, estimate, estimate_transfer,
+    receivers_at, sh_radiance,
+};
+pub use picture::{RenderOptions, render};

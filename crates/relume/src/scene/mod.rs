@@ -3,6 +3,7 @@
 //! [`Scene`] is what a file says; [`World`] is the same flattened to one vertex and one triangle list in the space of the scene's root
 //! (right-handed, y up, metres), which is what the baker, the tracer and the picture read.
 
+pub mod bundled;
 mod material;
 mod mesh;
 mod world;

@@ -1,0 +1,219 @@
+//! Transferred radiance and transfer vectors at single receivers.
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::intersect::{Caster, offset};
+use super::path::{Escape, cosine_direction, follow};
+use super::rng::{Pcg32, hammersley, mix};
+use super::statistics::mean_and_standard_error;
+use crate::basis::{Order, sh::Evaluator};
+use crate::light::ShLight;
+use crate::scene::World;
+
+/// Distant radiance (linear Rec. 709) by unit direction, pointing away from the scene. May be negative where it is band-limited.
+pub type Light<'a> = dyn Fn(DVec3) -> [f64; 3] + Sync + 'a;
+
+/// A point that light is gathered at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Receiver {
+    /// In the world, metres.
+    pub position: Vec3,
+    /// Unit length.
+    pub normal: Vec3,
+    /// How far along the normal paths start (at least the rounding of the position), metres.
+    pub offset: f32,
+}
+
+/// How paths are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EstimateOptions {
+    /// The most interreflections; 0 is shadowed direct light.
+    pub bounces: u32,
+    /// Paths of fewer interreflections count as black: 0 counts all light, 1 only what surfaces send back.
+    pub least_bounces: u32,
+    /// Paths per receiver, over all replicates.
+    pub paths: u32,
+    /// Any number; the same seed gives the same numbers.
+    pub seed: u64,
+    /// Independent repetitions, from whose scatter the standard error is taken (at least 2; 8 or more are advised).
+    pub replicates: u32,
+}
+
+/// Transferred radiance (irradiance / π, without the receiver's albedo) with its standard error, by channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// The mean of the replicates.
+    pub mean: [f64; 3],
+    /// Standard error of the mean, from the scatter of the replicates.
+    pub standard_error: [f64; 3],
+}
+
+/// A transfer vector (without the receiver's albedo) with its standard errors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TransferEstimate {
+    /// `[3][order²]`, contiguous.
+    pub mean: Vec<f64>,
+    /// Standard errors, shaped alike.
+    pub standard_error: Vec<f64>,
+}
+
+impl Default for EstimateOptions {
+    fn default() -> Self {
+        Self {
+            bounces: 0,
+            least_bounces: 0,
+            paths: 65_536,
+            seed: 0,
+            replicates: 8,
+        }
+    }
+}
+
+/// Band-limited light as a function of direction, evaluated in f64.
+pub fn sh_radiance(light: &ShLight) -> impl Fn(DVec3) -> [f64; 3] + Sync + use<> {
+    let evaluator = Evaluator::new(light.order());
+    let coefficients: Vec<DVec3> = light
+        .coefficients()
+        .iter()
+        .map(|&c| Vec3::from(c).as_dvec3())
+        .collect();
+    move |direction| {
+        with_basis(&evaluator, direction, |basis| {
+            let terms = basis.iter().zip(&coefficients);
+            terms.map(|(&y, &c)| y * c).sum::<DVec3>().to_array()
+        })
+    }
+}
+
+/// Receivers at vertices of the world, offset by a thousandth of the shortest edge that meets there.
+pub fn receivers_at(world: &World, vertices: &[usize]) -> Vec<Receiver> {
+    let mut shortest = vec![f32::INFINITY; world.positions.len()];
+    for &[a, b, c] in &world.triangles {
+        for (i, j) in [(a, b), (b, c), (c, a)].map(|(i, j)| (i as usize, j as usize)) {
+            let length = world.positions[i].distance(world.positions[j]);
+            if length > 0.0 {
+                shortest[i] = shortest[i].min(length);
+                shortest[j] = shortest[j].min(length);
+            }
+        }
+    }
+    let receiver = |&v: &usize| Receiver {
+        position: world.positions[v],
+        normal: world.normals[v],
+        offset: if shortest[v].is_finite() {
+            shortest[v] * 1e-3
+        } else {
+            0.0
+        },
+    };
+    vertices.iter().map(receiver).collect()
+}
+
+/// Transferred radiance at each receiver under `light`.
+pub fn estimate(
+    world: &World,
+    receivers: &[Receiver],
+    light: &Light<'_>,
+    options: &EstimateOptions,
+) -> Vec<Estimate> {
+    let sums = replicate(world, receivers, options, 3, |escape, sum| {
+        let radiance = DVec3::from(light(escape.direction)) * escape.throughput;
+        for (place, value) in sum.iter_mut().zip(radiance.to_array()) {
+            *place += value;
+        }
+    });
+    let of_receiver = |replicates: &[Vec<f64>]| {
+        let column = |c| mean_and_standard_error(replicates.iter().map(move |means| means[c]));
+        let [r, g, b] = [column(0), column(1), column(2)];
+        Estimate {
+            mean: [r.0, g.0, b.0],
+            standard_error: [r.1, g.1, b.1],
+        }
+    };
+    sums.iter().map(|r| of_receiver(r)).collect()
+}
+
+/// Transfer vectors at each receiver: the answer to every basis function, all from the same paths.
+pub fn estimate_transfer(
+    world: &World,
+    receivers: &[Receiver],
+    order: Order,
+    options: &EstimateOptions,
+) -> Vec<TransferEstimate> {
+    let evaluator = Evaluator::new(order);
+    let count = order.count();
+    let sums = replicate(world, receivers, options, 3 * count, |escape, sum| {
+        with_basis(&evaluator, escape.direction, |basis| {
+            for (channel, row) in sum.chunks_exact_mut(count).enumerate() {
+                for (place, y) in row.iter_mut().zip(basis) {
+                    *place += escape.throughput[channel] * y;
+                }
+            }
+        });
+    });
+    let of_receiver = |replicates: &[Vec<f64>]| {
+        let column = |c| mean_and_standard_error(replicates.iter().map(move |means| means[c]));
+        let (mean, standard_error) = (0..3 * count).map(column).unzip();
+        TransferEstimate {
+            mean,
+            standard_error,
+        }
+    };
+    sums.iter().map(|r| of_receiver(r)).collect()
+}
+
+/// The mean over paths of what `add` adds for each path that escapes: `[receiver][replicate][width]`.
+fn replicate(
+    world: &World,
+    receivers: &[Receiver],
+    options: &EstimateOptions,
+    width: usize,
+    add: impl Fn(&Escape, &mut [f64]) + Sync,
+) -> Vec<Vec<Vec<f64>>> {
+    let caster = Caster::new(world);
+    let replicates = options.replicates.max(2);
+    let paths = options.paths.div_ceil(replicates).max(1);
+    let one = |receiver: usize, replicate: u32| {
+        let mut rng = Pcg32::new(mix(options.seed, receiver as u64), u64::from(replicate));
+        let from = receivers[receiver];
+        let normal = from.normal.as_dvec3();
+        let origin = offset(from.position.as_dvec3(), normal, f64::from(from.offset));
+        // A random shift (modulo 1) makes each replicate an unbiased estimate of its own.
+        let (du, dv) = (rng.next_unit(), rng.next_unit());
+        let mut sum = vec![0.0; width];
+        for i in 0..paths {
+            let (u, v) = hammersley(i, paths);
+            let direction = cosine_direction(normal, (u + du).fract(), (v + dv).fract());
+            let escape = follow(&caster, origin, direction, options.bounces, &mut rng);
+            if let Some(escape) = escape.filter(|e| e.bounces >= options.least_bounces) {
+                add(&escape, &mut sum);
+            }
+        }
+        sum.iter_mut().for_each(|x| *x /= f64::from(paths));
+        sum
+    };
+    (0..receivers.len())
+        .into_par_iter()
+        .map(|receiver| {
+            let replicates = (0..replicates).into_par_iter();
+            replicates.map(|r| one(receiver, r)).collect()
+        })
+        .collect()
+}
+
+/// Calls `then` with all basis functions at a direction, without the heap for orders up to 8.
+fn with_basis<R>(evaluator: &Evaluator, direction: DVec3, then: impl FnOnce(&[f64]) -> R) -> R {
+    let count = evaluator.order().count();
+    let mut small = [0.0; 64];
+    let mut large = Vec::new();
+    let values = match small.get_mut(..count) {
+        Some(values) => values,
+        None => {
+            large.resize(count, 0.0);
+            &mut large[..]
+        }
+    };
+    evaluator.eval(direction, values);
+    then(values)
+}

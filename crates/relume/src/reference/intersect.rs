@@ -1,0 +1,133 @@
+//! Single rays through obvhs's own acceleration structure.
+
+use glam::{DVec3, Vec3, Vec3A};
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh};
+use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use obvhs::ray::{Ray, RayHit};
+use obvhs::triangle::Triangle;
+
+use crate::scene::{AlphaMode, World};
+
+/// All triangles of a world, ready for rays.
+pub struct Caster<'a> {
+    pub world: &'a World,
+    triangles: Vec<Triangle>,
+    /// `None` when there are no triangles.
+    bvh: Option<CwBvh>,
+}
+
+/// The first solid point on a ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Hit {
+    /// Index into [`World::triangles`].
+    pub triangle: u32,
+    /// Barycentric weights of its corners.
+    pub weights: [f32; 3],
+}
+
+impl<'a> Caster<'a> {
+    /// Builds the tree (PLOC, reinsertion, eight-wide compressed nodes).
+    pub fn new(world: &'a World) -> Self {
+        let corner = |p: Vec3| Vec3A::from(p);
+        let triangles: Vec<Triangle> = (0..world.triangles.len() as u32)
+            .map(|i| {
+                let [v0, v1, v2] = world.corners(i).map(corner);
+                Triangle { v0, v1, v2 }
+            })
+            .collect();
+        let bvh = (!triangles.is_empty()).then(|| {
+            let indices = (0..triangles.len() as u32).collect();
+            let mut bvh2 = PlocBuilder::with_capacity(triangles.len()).build(
+                PlocSearchDistance::Low,
+                &triangles,
+                indices,
+                SortPrecision::U64,
+                2,
+            );
+            ReinsertionOptimizer::default().run(&mut bvh2, 0.02, None);
+            bvh2_to_cwbvh(&bvh2, 3, true, false)
+        });
+        Self {
+            world,
+            triangles,
+            bvh,
+        }
+    }
+
+    /// The first solid point from `origin` along `direction` (finite, not zero).
+    pub fn first_hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
+        let bvh = self.bvh.as_ref()?;
+        let ray = Ray::new_inf(origin.into(), direction.into());
+        let mut nearest = RayHit::none();
+        let found = bvh.ray_traverse(ray, &mut nearest, |ray, slot| {
+            let triangle = bvh.primitive_indices[slot];
+            let t = self.triangles[triangle as usize].intersect(ray);
+            if t < ray.tmax && self.is_hole(triangle, origin, direction) {
+                return f32::INFINITY;
+            }
+            t
+        });
+        if !found {
+            return None;
+        }
+        let triangle = bvh.primitive_indices[nearest.primitive_id as usize];
+        Some(Hit {
+            triangle,
+            weights: self.weights(triangle, origin, direction),
+        })
+    }
+
+    fn is_hole(&self, triangle: u32, origin: Vec3, direction: Vec3) -> bool {
+        if self.world.material(triangle).alpha == AlphaMode::Opaque {
+            return false;
+        }
+        let weights = self.weights(triangle, origin, direction);
+        !self.world.is_solid(triangle, weights)
+    }
+
+    /// Barycentric weights of the point where a ray that is known to meet the triangle meets it, in f64 and clamped into it.
+    fn weights(&self, triangle: u32, origin: Vec3, direction: Vec3) -> [f32; 3] {
+        let (o, d) = (origin.as_dvec3(), direction.as_dvec3());
+        let [a, b, c] = self.world.corners(triangle).map(|p| p.as_dvec3() - o);
+        // Signed volumes of (ray, edge): each is proportional to the weight of the corner opposite.
+        let volumes = [d.dot(b.cross(c)), d.dot(c.cross(a)), d.dot(a.cross(b))];
+        let sum: f64 = volumes.iter().sum();
+        let clamped = volumes.map(|v| (v / sum).max(0.0));
+        let total: f64 = clamped.iter().sum();
+        if total > 0.0 && total.is_finite() {
+            clamped.map(|w| (w / total) as f32)
+        } else {
+            [1.0 / 3.0; 3]
+        }
+    }
+
+    /// The vertices' normals, interpolated; `None` where they cancel.
+    pub fn shading_normal(&self, hit: &Hit) -> Option<DVec3> {
+        let corners = self.world.triangles[hit.triangle as usize];
+        let normals = corners.map(|i| self.world.normals[i as usize].as_dvec3());
+        let sum: DVec3 = (0..3).map(|i| normals[i] * f64::from(hit.weights[i])).sum();
+        sum.try_normalize()
+    }
+
+    /// Where a ray that leaves a hit in the direction `toward` starts: the point itself, moved off the triangle's plane on that side
+    /// by a ten-thousandth of the triangle's size, and by no less than the rounding of its coordinates.
+    pub fn leave(&self, hit: &Hit, toward: DVec3) -> Vec3 {
+        let corners = self.world.corners(hit.triangle).map(|p| p.as_dvec3());
+        let point = (0..3).map(|i| corners[i] * f64::from(hit.weights[i])).sum();
+        let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let twice_area = cross.length();
+        let Some(normal) = cross.try_normalize() else {
+            return offset(point, toward, 0.0);
+        };
+        let side = if normal.dot(toward) < 0.0 { -1.0 } else { 1.0 };
+        offset(point, side * normal, twice_area.sqrt() * 1e-4)
+    }
+}
+
+/// `point` moved along the unit vector `along` by `distance`, but by no less than eight units in the last place of its largest
+/// coordinate, so that the move survives rounding to f32.
+pub fn offset(point: DVec3, along: DVec3, distance: f64) -> Vec3 {
+    let rounding = point.abs().max_element() * 8.0 * f64::from(f32::EPSILON);
+    (point + along * distance.max(rounding)).as_vec3()
+}
