@@ -58,9 +58,14 @@ pub fn apply(scene: &mut Scene, entries: &[Primitive]) -> Result<(), AssetError>
 
 /// How many instances, from the first, share the vertices of the first.
 fn run(instances: &[Instance], entries: &[Primitive]) -> Result<usize, AssetError> {
-    let Instance { node, primitive, .. } = instances[0];
+    let Instance {
+        node, primitive, ..
+    } = instances[0];
     if entries[0].same_as.is_some() {
-        return Err(wrong(node, "shares the vertices of a primitive without triangles"));
+        return Err(wrong(
+            node,
+            "shares the vertices of a primitive without triangles",
+        ));
     }
     let rest = instances.iter().zip(entries).skip(1);
     let shared = rest.take_while(|(i, entry)| i.node == node && entry.same_as == Some(primitive));

@@ -28,7 +28,7 @@ pub fn from_glb(bytes: &[u8]) -> Result<Asset, AssetError> {
     if !nodes(&json).any(|node| extension(node).is_some()) {
         return Err(AssetError::NoTransfer);
     }
-    todo!()//assemble(&json, bin, crate::scene::gltf::from_glb(bytes)?)
+    todo!() //assemble(&json, bin, crate::scene::gltf::from_glb(bytes)?)
 }
 
 fn nodes(json: &Value) -> impl Iterator<Item = &Value> {
@@ -97,7 +97,9 @@ fn entry_of<'h>(
     instance: &Instance,
     meaning: &Meaning,
 ) -> Result<&'h Primitive, AssetError> {
-    let Instance { node, primitive, .. } = *instance;
+    let Instance {
+        node, primitive, ..
+    } = *instance;
     let Some((_, (own, primitives))) = &headers[node] else {
         return Err(wrong(node, "is missing, though other nodes have it"));
     };
@@ -176,7 +178,10 @@ impl<'a> Gathered<'a> {
         if entry.input_vertices.is_none_or(|inputs| inputs > vertices) {
             return Err(fail("has a wrong inputVertices".to_owned()));
         }
-        if entry.albedo.is_some_and(|a| !a.iter().all(|c| (0.0..f32::INFINITY).contains(c))) {
+        if entry
+            .albedo
+            .is_some_and(|a| !a.iter().all(|c| (0.0..f32::INFINITY).contains(c)))
+        {
             return Err(fail("has an albedo that is none".to_owned()));
         }
         let stride = self.transfer.stride();
@@ -187,16 +192,25 @@ impl<'a> Gathered<'a> {
             .floats(view, vertices, stride, &mut self.transfer.coefficients)
             .map_err(fail)?;
         match entry.valid {
-            Some(view) => views.flags(view, vertices, &mut self.transfer.valid).map_err(fail)?,
+            Some(view) => views
+                .flags(view, vertices, &mut self.transfer.valid)
+                .map_err(fail)?,
             None => self.transfer.valid.resize(first + vertices, true),
         }
         if let Some(back) = &entry.back {
-            let local = views.ascending(back.vertices, back.count, vertices).map_err(fail)?;
+            let local = views
+                .ascending(back.vertices, back.count, vertices)
+                .map_err(fail)?;
             let offset = u32::try_from(first + vertices).map(|_| first as u32);
             let offset = offset.map_err(|_| fail("ends past 2³² vertices".to_owned()))?;
             self.back.vertices.extend(local.iter().map(|v| v + offset));
             views
-                .floats(back.transfer, back.count, stride, &mut self.back.coefficients)
+                .floats(
+                    back.transfer,
+                    back.count,
+                    stride,
+                    &mut self.back.coefficients,
+                )
                 .map_err(fail)?;
         }
         Ok(())

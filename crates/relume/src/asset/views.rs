@@ -33,11 +33,19 @@ impl<'a> Views<'a> {
         into: &mut Vec<f32>,
     ) -> Result<(), String> {
         let bytes = self.take(view, count, 4 * stride)?;
-        let values = bytes.as_chunks::<4>().0.iter().copied().map(f32::from_le_bytes);
+        let values = bytes
+            .as_chunks::<4>()
+            .0
+            .iter()
+            .copied()
+            .map(f32::from_le_bytes);
         let start = into.len();
         into.extend(values);
         match into[start..].iter().position(|c| !c.is_finite()) {
-            Some(i) => Err(format!("has a coefficient that is not finite, for vertex {}", i / stride)),
+            Some(i) => Err(format!(
+                "has a coefficient that is not finite, for vertex {}",
+                i / stride
+            )),
             None => Ok(()),
         }
     }
@@ -60,7 +68,12 @@ impl<'a> Views<'a> {
         limit: usize,
     ) -> Result<Vec<u32>, String> {
         let bytes = self.take(view, count, 4)?;
-        let values = bytes.as_chunks::<4>().0.iter().copied().map(u32::from_le_bytes);
+        let values = bytes
+            .as_chunks::<4>()
+            .0
+            .iter()
+            .copied()
+            .map(u32::from_le_bytes);
         let values: Vec<u32> = values.collect();
         let inside = values.last().is_none_or(|&last| (last as usize) < limit);
         if !inside || !values.is_sorted_by(|a, b| a < b) {
@@ -91,7 +104,9 @@ impl<'a> Views<'a> {
         if size % 4 == 0 && offset % 4 != 0 {
             return wrong("does not begin at a multiple of 4 bytes");
         }
-        let end = offset.checked_add(length).filter(|&end| end <= self.bin.len());
+        let end = offset
+            .checked_add(length)
+            .filter(|&end| end <= self.bin.len());
         let Some(end) = end else {
             return wrong("ends past the binary chunk");
         };

@@ -1,5 +1,43 @@
 //! Light that arrives at the scene, as coefficients of a basis.
+//!
+//! ```text
+//! text ──EnvSpec──▶ load ──▶ Environment ──project──▶ ShLight ──▶ light.json
+//!                   (image files, layouts, turns)
+//! ```
+//!
+//! All of it is radiance, linear Rec. 709, scene-referred, from directions that point away from the scene (right-handed, +Y up).
 
+#[cfg(feature = "images")]
+mod codecs;
+mod cross;
+mod decode;
+mod environment;
+mod error;
+mod hdr_image;
 mod incident;
+mod json;
+mod layout;
+mod load;
+mod map;
+mod pfm;
+mod project;
+#[cfg(test)]
+mod published_tests;
+mod sky;
+mod spec;
+mod sun;
+mod texel;
+mod turn;
 
+pub use environment::{Environment, Rotated};
+pub use error::{LightError, SpecError};
+pub use hdr_image::{HdrImage, ImageError, MAX_PIXELS};
 pub use incident::{IncidentLight, ShLight};
+pub use json::{LightFile, LightJsonError};
+pub use layout::{Layout, LayoutChoice, LayoutError};
+pub use load::{LightOptions, MAX_FILE_BYTES, load};
+pub use map::EnvMap;
+pub use sky::{SKY_UNIT, Sky};
+pub use spec::EnvSpec;
+pub use sun::Sun;
+pub use turn::Turn;

@@ -128,24 +128,24 @@ fn a_ball_shadows_the_floor_below_by_its_form_factor() {
             a.dot((b - a).cross(c - a).normalize()).abs()
         })
         .fold(f64::INFINITY, f64::min);
-    for x in [0.0, 0.4, 1.0] {
+    for x in [0.0, 0.4, 1.0_f64] {
         let receiver = Receiver {
-            position: Vec3::new(x, 0.0, 0.0),
+            origin: Vec3::new(x as f32, 1e-4, 0.0),
             normal: Vec3::Y,
-            offset: 1e-4,
         };
         let estimates = estimate(&world, &[receiver], &one, &options(0, 65_536));
-        let distance = f64::from(x).hypot(height);
+        let distance = x.hypot(height);
         let blocked = |r: f64| (height / distance) * (r / distance).powi(2);
         let (low, high) = (1.0 - blocked(radius), 1.0 - blocked(inscribed));
         let (mean, error) = (estimates[0].mean[0], estimates[0].standard_error[0]);
-        // The receiver's offset, 10⁻⁴, moves it by as much relative to the height.
+        // The receiver stands 10⁻⁴ above the floor, which is that nearer to the ball.
         let slack = Z * error + 3e-4 * blocked(radius);
         assert!(
             mean > low - slack && mean < high + slack,
             "{x}: {low} {mean} {high} ± {error}"
         );
-        assert!(high - low + 2.0 * slack < 0.01 * blocked(radius).max(0.1));
+        let width = high - low + 2.0 * slack;
+        assert!(width < 0.02 * blocked(radius), "too loose to tell anything: {width}");
     }
 }
 
@@ -200,9 +200,8 @@ fn under_a_ceiling(change: impl FnOnce(&mut Scene)) -> f64 {
     let mut world = World::new(&scene);
     world.positions.iter_mut().for_each(|p| p.y += 1.0);
     let receiver = Receiver {
-        position: Vec3::ZERO,
+        origin: Vec3::ZERO,
         normal: Vec3::Y,
-        offset: 1e-3,
     };
     // Light from below only, so that all that arrives has been reflected by the ceiling, which faces up.
     let below = |d: DVec3| if d.y < 0.0 { [1.0; 3] } else { [0.0; 3] };
@@ -225,22 +224,20 @@ fn back_faces_are_black_unless_double_sided_and_holes_let_light_through() {
 
 #[test]
 fn an_empty_world_and_one_triangle_are_fine() {
-    let receiver = Receiver {
-        position: Vec3::ZERO,
-        normal: Vec3::Y,
-        offset: 0.0,
+    let lone = |world: &World, origin| {
+        let normal = Vec3::Y;
+        let receiver = Receiver { origin, normal };
+        estimate(world, &[receiver], &one, &options(2, 256))[0].mean[0]
     };
-    let lone = |world: &World| estimate(world, &[receiver], &one, &options(2, 256))[0].mean[0];
-    assert_eq!(lone(&World::default()), 1.0);
+    assert_eq!(lone(&World::default(), Vec3::ZERO), 1.0);
     let mut scene = bundled::plane_under_sphere(1e-3, 50.0, 100.0, 8, 1.0);
     scene.instances.truncate(1);
     scene.meshes[0].groups[0].triangles.truncate(1);
-    scene.meshes[0]
-        .positions
-        .iter_mut()
-        .for_each(|p| p.y += 1.0);
-    let seen = lone(&World::new(&scene));
-    assert!(seen > 0.5 && seen < 1.0, "{seen}");
+    let world = World::new(&scene);
+    // Its legs are 6.25 m, so from a metre below its middle it takes most of the view.
+    let middle = world.corners(0).iter().sum::<Vec3>() / 3.0;
+    let seen = lone(&world, middle - Vec3::Y);
+    assert!(seen > 0.02 && seen < 0.5, "{seen}");
 }
 
 #[test]

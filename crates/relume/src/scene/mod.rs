@@ -4,11 +4,30 @@
 //! (right-handed, y up, metres), which is what the baker, the tracer and the picture read.
 
 pub mod bundled;
+mod decode;
+mod error;
+mod finish;
+pub mod gltf;
+#[cfg(feature = "import")]
+mod load;
 mod material;
 mod mesh;
+mod normals;
+#[cfg(feature = "import")]
+mod obj;
+#[cfg(feature = "import")]
+mod ply;
+#[cfg(feature = "import")]
+mod resolve;
+#[cfg(all(test, feature = "import"))]
+mod tests;
 mod world;
 
-pub use material::{AlphaMode, Material, Sampler, Texture, Wrap};
+pub use error::SceneError;
+pub use finish::override_albedo;
+#[cfg(feature = "import")]
+pub use load::{ImportOptions, load};
+pub use material::{AlphaMode, Material, Sampler, Texture, Wrap, srgb_to_linear};
 pub use mesh::{Group, Instance, Mesh};
 pub use world::{Surface, World};
 

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::builder::build_bvh2;
+use obvhs::bvh2::node::Bvh2Node;
 use obvhs::triangle::Triangle;
 
 use super::Hit;
@@ -10,7 +11,7 @@ use super::packet::{Packet, RAYS};
 use super::triangle::Relative;
 use crate::scene::{AlphaMode, World};
 
-/// A node: a box around either two children (at `first` and `first + 1`) or `count` triangles.
+/// A node: a box around either two children (at `first` and `first + 1`) or `count` leaves from `first`.
 #[derive(Clone, Copy)]
 struct Node {
     low: Vec3,
@@ -20,7 +21,7 @@ struct Node {
     count: u32,
 }
 
-/// A triangle in leaf order.
+/// A triangle, in the order the walk meets them.
 struct Leaf {
     corners: [Vec3; 3],
     triangle: u32,
@@ -41,45 +42,48 @@ pub struct Tracer<'w> {
 /// Deepest path the walk can hold; a node pushes at most one more than it takes.
 const STACK: usize = 128;
 
+/// A node still to visit: its index, the groups of rays that reach it, and the least distance at which they do.
+#[derive(Clone, Copy)]
+struct Visit {
+    node: u32,
+    groups: u32,
+    near: f32,
+}
+
 impl<'w> Tracer<'w> {
     /// Builds the tree over all triangles of `world`.
     pub fn new(world: &'w World) -> Self {
-        let solids: Vec<u32> = (0..world.triangles.len() as u32).collect();
-        if solids.is_empty() {
+        let triangles: Vec<Triangle> = (0..world.triangles.len() as u32)
+            .map(|i| {
+                let [v0, v1, v2] = world.corners(i).map(Into::into);
+                Triangle { v0, v1, v2 }
+            })
+            .collect();
+        if triangles.is_empty() {
             return Self {
                 world,
                 nodes: Vec::new(),
                 leaves: Vec::new(),
             };
         }
-        let triangles: Vec<Triangle> = solids
-            .iter()
-            .map(|&i| {
-                let [v0, v1, v2] = world.corners(i).map(Into::into);
-                Triangle { v0, v1, v2 }
-            })
-            .collect();
         let mut seconds = std::time::Duration::ZERO;
         let params = BvhBuildParams {
             max_prims_per_leaf: 4,
             ..BvhBuildParams::medium_build()
         };
-        let tree = build_bvh2(&triangles, params, &mut seconds);
-        let nodes = tree.nodes.iter().map(|node| Node {
-            low: node.aabb().min.into(),
-            high: node.aabb().max.into(),
-            first: node.first_index,
-            count: node.prim_count,
-        });
-        let leaves = tree.primitive_indices.iter().map(|&triangle| Leaf {
-            corners: world.corners(triangle),
-            triangle,
-            masked: matches!(world.material(triangle).alpha, AlphaMode::Mask(_)),
-        });
+        let mut tree = build_bvh2(&triangles, params, &mut seconds);
+        // Nodes and leaves in the order of a walk share cache lines with their neighbours.
+        tree.reorder_in_stack_traversal_order();
+        let mut leaves = Vec::with_capacity(triangles.len());
+        let nodes = tree
+            .nodes
+            .iter()
+            .map(|node| Node::new(node, world, &tree.primitive_indices, &mut leaves))
+            .collect();
         Self {
             world,
-            nodes: nodes.collect(),
-            leaves: leaves.collect(),
+            nodes,
+            leaves,
         }
     }
 
@@ -97,43 +101,48 @@ impl<'w> Tracer<'w> {
 
     /// Depth first, the nearer child before the farther, each with the groups of rays that reach its box.
     fn walk(&self, origin: Vec3, packet: &mut Packet) {
-        let Some(root) = self.nodes.first() else {
+        if self.nodes.is_empty() {
             return;
-        };
-        let Some((near, groups)) =
-            packet.meets(root.low - origin, root.high - origin, packet.all())
-        else {
-            return;
-        };
-        let mut stack = [(0_u32, 0_u32, 0.0_f32); STACK];
-        stack[0] = (0, groups, near);
+        }
+        let mut stack = [Visit {
+            node: 0,
+            groups: 0,
+            near: 0.0,
+        }; STACK];
+        stack[0].groups = packet.all();
         let mut depth = 1;
         while depth > 0 {
             depth -= 1;
-            let (index, groups, near) = stack[depth];
-            if near > packet.farthest() {
+            let visit = stack[depth];
+            if visit.near > packet.farthest() {
                 continue;
             }
-            let node = self.nodes[index as usize];
+            let node = self.nodes[visit.node as usize];
             if node.count > 0 {
-                self.meet_leaf(origin, node, groups, packet);
+                self.meet_leaf(origin, node, visit.groups, packet);
                 continue;
             }
-            let child = |index: u32, packet: &Packet| {
-                let node = self.nodes[index as usize];
-                let met = packet.meets(node.low - origin, node.high - origin, groups);
-                met.map(|(near, groups)| (index, groups, near))
-            };
-            let pair = (child(node.first, packet), child(node.first + 1, packet));
-            let (first, second) = match pair {
-                (Some(a), Some(b)) if a.2 > b.2 => (Some(b), Some(a)),
-                other => other,
-            };
-            for entry in [second, first].into_iter().flatten() {
-                assert!(depth < STACK, "the tree is deeper than {STACK}");
-                stack[depth] = entry;
-                depth += 1;
+            let a = self.visit(node.first, origin, visit.groups, packet);
+            let b = self.visit(node.first + 1, origin, visit.groups, packet);
+            let (nearer, farther) = if a.near <= b.near { (a, b) } else { (b, a) };
+            for child in [farther, nearer] {
+                if child.groups != 0 {
+                    assert!(depth < STACK, "the tree is deeper than {STACK}");
+                    stack[depth] = child;
+                    depth += 1;
+                }
             }
+        }
+    }
+
+    #[inline(always)]
+    fn visit(&self, index: u32, origin: Vec3, groups: u32, packet: &Packet) -> Visit {
+        let node = &self.nodes[index as usize];
+        let (near, groups) = packet.meets(node.low - origin, node.high - origin, groups);
+        Visit {
+            node: index,
+            groups,
+            near,
         }
     }
 
@@ -148,6 +157,29 @@ impl<'w> Tracer<'w> {
             } else {
                 packet.meet(&relative, leaf.triangle, groups, |_, _| true);
             }
+        }
+    }
+}
+
+impl Node {
+    /// A node of the built tree; the triangles of a leaf are appended to `leaves`.
+    fn new(node: &Bvh2Node, world: &World, indices: &[u32], leaves: &mut Vec<Leaf>) -> Self {
+        let aabb = node.aabb();
+        let mut first = node.first_index;
+        if node.is_leaf() {
+            let range = first as usize..(first + node.prim_count) as usize;
+            first = leaves.len() as u32;
+            leaves.extend(indices[range].iter().map(|&triangle| Leaf {
+                corners: world.corners(triangle),
+                triangle,
+                masked: matches!(world.material(triangle).alpha, AlphaMode::Mask(_)),
+            }));
+        }
+        Self {
+            low: aabb.min.into(),
+            high: aabb.max.into(),
+            first,
+            count: node.prim_count,
         }
     }
 }

@@ -49,4 +49,6 @@ impl Hit {
 }
 
 #[cfg(test)]
+pub mod test_worlds;
+#[cfg(test)]
 mod tests;

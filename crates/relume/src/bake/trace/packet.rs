@@ -86,24 +86,25 @@ impl Packet {
         self.farthest
     }
 
-    /// Which of `groups` reach the box (relative to the origin) before what they have met, and the least distance to it.
-    pub fn meets(&self, low: Vec3, high: Vec3, groups: u32) -> Option<(f32, u32)> {
+    /// The least distance to the box (relative to the origin), infinite if none reaches it, and which of `groups` reach it before what
+    /// they have met.
+    #[inline(always)]
+    pub fn meets(&self, low: Vec3, high: Vec3, groups: u32) -> (f32, u32) {
         let mut met = 0;
-        let mut nearest = f32::INFINITY;
-        for (g, group) in self
-            .rays
-            .iter()
-            .enumerate()
-            .filter(|(g, _)| groups >> g & 1 != 0)
-        {
-            let near = group.box_distance(low, high);
-            let least = near.iter().fold(f32::INFINITY, |a, &b| a.min(b));
-            if least < f32::INFINITY {
-                met |= 1 << g;
-                nearest = nearest.min(least);
+        let mut nearest = [f32::INFINITY; LANES];
+        let mut left = groups;
+        while left != 0 {
+            let g = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let near = self.rays[g].box_distance(low, high);
+            let mut any = false;
+            for i in 0..LANES {
+                any |= near[i] < f32::INFINITY;
+                nearest[i] = least(nearest[i], near[i]);
             }
+            met |= u32::from(any) << g;
         }
-        (met != 0).then_some((nearest, met))
+        (nearest.into_iter().fold(f32::INFINITY, least), met)
     }
 
     /// Meets a triangle with the rays of `groups`; `solid(u, v)` tells where it has no hole.
@@ -115,7 +116,10 @@ impl Packet {
         solid: impl Fn(f32, f32) -> bool,
     ) {
         let mut closer = false;
-        for g in (0..GROUPS).filter(|g| groups >> g & 1 != 0) {
+        let mut left = groups;
+        while left != 0 {
+            let g = left.trailing_zeros() as usize;
+            left &= left - 1;
             closer |= self.rays[g].meet(shape, triangle, &solid);
         }
         if closer {
@@ -153,8 +157,8 @@ impl Group {
             let (x0, x1) = (low.x * self.inverse[0][i], high.x * self.inverse[0][i]);
             let (y0, y1) = (low.y * self.inverse[1][i], high.y * self.inverse[1][i]);
             let (z0, z1) = (low.z * self.inverse[2][i], high.z * self.inverse[2][i]);
-            let enter = least(x0, x1).max(least(y0, y1)).max(least(z0, z1)).max(0.0);
-            let leave = most(x0, x1).min(most(y0, y1)).min(most(z0, z1)) * WIDER;
+            let enter = most(most(least(x0, x1), least(y0, y1)), most(least(z0, z1), 0.0));
+            let leave = least(least(most(x0, x1), most(y0, y1)), most(z0, z1)) * WIDER;
             let miss = (enter > leave) | (enter > self.t[i] * WIDER);
             *near = if miss { f32::INFINITY } else { enter };
         }

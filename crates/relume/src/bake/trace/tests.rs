@@ -1,42 +1,9 @@
-use glam::{DAffine3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
 use super::super::sampling::{frame, vertex_seed};
+use super::test_worlds::{mesh_of, world_of};
 use super::*;
-use crate::scene::{
-    AlphaMode, Group, Instance, Material, Mesh, Sampler, Scene, Texture, World, Wrap,
-};
-
-/// A world of one mesh, for tests.
-pub fn world_of(mesh: Mesh, materials: Vec<Material>, textures: Vec<Texture>) -> World {
-    World::new(&Scene {
-        meshes: vec![mesh],
-        materials,
-        textures,
-        instances: vec![Instance {
-            mesh: 0,
-            node: 0,
-            primitive: 0,
-            world_from_object: DAffine3::IDENTITY,
-        }],
-        ..Scene::default()
-    })
-}
-
-fn mesh_of(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
-    let input_vertices = positions.len();
-    let normals = vec![Vec3::Y; positions.len()];
-    let groups = vec![Group {
-        material: 0,
-        triangles,
-    }];
-    Mesh {
-        positions,
-        normals,
-        groups,
-        input_vertices,
-        ..Mesh::default()
-    }
-}
+use crate::scene::{AlphaMode, Group, Material, Sampler, Texture, World, Wrap};
 
 fn solid(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> World {
     world_of(
@@ -195,7 +162,7 @@ fn every_hit_is_the_nearest_by_a_plain_search_in_f64() {
 fn plain_search(world: &World, origin: Vec3, d: Vec3) -> Option<(f64, u32)> {
     let d = d.as_dvec3();
     let hits = (0..world.triangles.len() as u32).filter_map(|i| {
-        let [a, b, c] = world.corners(i).map(|p| p.as_dvec3());
+        let [a, b, c] = world.corners(i).map(Vec3::as_dvec3);
         let (e1, e2) = (b - a, c - a);
         let p = d.cross(e2);
         let det = e1.dot(p);

@@ -48,7 +48,7 @@ impl Relative {
     /// Products of two f32 are exact in f64, so signs are right to 2⁻⁵⁰; an edge function that is 0 even so counts as inside.
     pub fn intersect(&self, direction: Vec3) -> Option<Meeting> {
         let d = direction.as_dvec3();
-        let [a, b, c] = self.corners.map(|p| p.as_dvec3());
+        let [a, b, c] = self.corners.map(Vec3::as_dvec3);
         let edge = |p: DVec3, q: DVec3| d.dot((p - q).cross(p + q));
         let [e, f, g] = [edge(b, c), edge(c, a), edge(a, b)];
         let inside = (e >= 0.0 && f >= 0.0 && g >= 0.0) || (e <= 0.0 && f <= 0.0 && g <= 0.0);

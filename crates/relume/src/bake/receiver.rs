@@ -1,0 +1,186 @@
+//! Where transfer is gathered: each vertex, and once more behind it where its surface has two sides.
+
+use glam::Vec3;
+
+use super::sampling::vertex_seed;
+use crate::scene::World;
+
+/// The places light is gathered at, in an order in which neighbours on the surface are neighbours in the list (and in the caches).
+pub struct Receivers<'w> {
+    world: &'w World,
+    places: Vec<Place>,
+    /// Receiver in front of each vertex.
+    pub front: Vec<u32>,
+    /// Receiver behind each vertex, or [`NO_BACK`].
+    pub behind: Vec<u32>,
+    /// How far off its surface each vertex starts its rays.
+    offsets: Vec<f32>,
+}
+
+/// In [`Receivers::behind`]: this vertex has one side.
+pub const NO_BACK: u32 = u32::MAX;
+
+/// A side of a vertex.
+#[derive(Clone, Copy)]
+struct Place {
+    vertex: u32,
+    back: bool,
+}
+
+/// One place that light arrives at.
+#[derive(Clone, Copy)]
+pub struct Receiver {
+    /// Where its rays start: off the surface along the normal.
+    pub origin: Vec3,
+    /// The side it looks to.
+    pub normal: Vec3,
+    /// What its directions are scrambled by.
+    pub seed: u64,
+}
+
+impl<'w> Receivers<'w> {
+    pub fn new(world: &'w World) -> Self {
+        let vertices = world.positions.len();
+        let mut two_sided = vec![false; vertices];
+        for (triangle, corners) in world.triangles.iter().enumerate() {
+            if world.material(triangle as u32).double_sided {
+                corners.iter().for_each(|&i| two_sided[i as usize] = true);
+            }
+        }
+        let (mut front, mut behind) = (vec![0; vertices], vec![NO_BACK; vertices]);
+        let mut places = Vec::with_capacity(vertices);
+        for vertex in along_a_curve(world) {
+            front[vertex as usize] = places.len() as u32;
+            places.push(Place {
+                vertex,
+                back: false,
+            });
+            if two_sided[vertex as usize] {
+                behind[vertex as usize] = places.len() as u32;
+                places.push(Place { vertex, back: true });
+            }
+        }
+        Self {
+            world,
+            places,
+            front,
+            behind,
+            offsets: offsets(world),
+        }
+    }
+
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    pub fn get(&self, receiver: usize, seed: u64) -> Receiver {
+        let Place { vertex, back } = self.places[receiver];
+        let position = self.world.positions[vertex as usize];
+        let normal = self.world.normals[vertex as usize] * if back { -1.0 } else { 1.0 };
+        Receiver {
+            origin: position + normal * self.offsets[vertex as usize],
+            normal,
+            seed: vertex_seed(position, normal, seed),
+        }
+    }
+
+    /// Vertices of double-sided surfaces, ascending.
+    pub fn two_sided(&self) -> Vec<u32> {
+        let all = 0..self.behind.len() as u32;
+        all.filter(|&vertex| self.behind[vertex as usize] != NO_BACK)
+            .collect()
+    }
+}
+
+/// All vertices along a Morton curve through the bounds.
+fn along_a_curve(world: &World) -> Vec<u32> {
+    let (low, high) = world.bounds().unwrap_or_default();
+    let scale = 1023.0 / (high - low).max_element().max(f32::MIN_POSITIVE);
+    let key = |&vertex: &u32| {
+        let cell = (world.positions[vertex as usize] - low) * scale;
+        morton3(cell.to_array().map(|x| x as u32))
+    };
+    let mut order: Vec<u32> = (0..world.positions.len() as u32).collect();
+    order.sort_by_cached_key(key);
+    order
+}
+
+/// Interleaves the low 10 bits of three numbers.
+fn morton3(cell: [u32; 3]) -> u32 {
+    let spread = |x: u32| {
+        let x = x.min(1023);
+        let x = (x | x << 16) & 0x0300_00ff;
+        let x = (x | x << 8) & 0x0300_f00f;
+        let x = (x | x << 4) & 0x030c_30c3;
+        (x | x << 2) & 0x0924_9249
+    };
+    spread(cell[0]) | spread(cell[1]) << 1 | spread(cell[2]) << 2
+}
+
+/// A thousandth of the shortest edge at each vertex, but at least what rounding at its coordinates asks for.
+fn offsets(world: &World) -> Vec<f32> {
+    let mut shortest = vec![f32::INFINITY; world.positions.len()];
+    for &[a, b, c] in &world.triangles {
+        for (p, q) in [(a, b), (b, c), (c, a)].map(|(p, q)| (p as usize, q as usize)) {
+            let length = world.positions[p].distance(world.positions[q]);
+            if length > 0.0 {
+                shortest[p] = shortest[p].min(length);
+                shortest[q] = shortest[q].min(length);
+            }
+        }
+    }
+    let at = |(edge, position): (f32, &Vec3)| {
+        let local = if edge.is_finite() { 1e-3 * edge } else { 0.0 };
+        // 16 half-ulps: the start is rounded once per coordinate, and has to end up on the right side.
+        local.max(16.0 * f32::EPSILON / 2.0 * position.abs().max_element())
+    };
+    shortest.into_iter().zip(&world.positions).map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Material;
+
+    fn square(scale: f32, double_sided: bool) -> World {
+        let mut material = Material::diffuse("square", [0.5; 3]);
+        material.double_sided = double_sided;
+        World {
+            positions: [[0., 0.], [1., 0.], [1., 1.], [0., 1.]]
+                .map(|[x, y]| Vec3::new(x, y, 5.0) * scale)
+                .into(),
+            normals: vec![Vec3::Z; 4],
+            triangles: vec![[0, 1, 2]],
+            triangle_materials: vec![0],
+            materials: vec![material],
+            ..World::default()
+        }
+    }
+
+    #[test]
+    fn only_vertices_of_double_sided_surfaces_are_seen_from_behind() {
+        let (one, two) = (square(1.0, false), square(1.0, true));
+        assert_eq!(Receivers::new(&one).len(), 4);
+        let receivers = Receivers::new(&two);
+        assert_eq!((receivers.len(), receivers.two_sided()), (7, vec![0, 1, 2]));
+        assert_eq!(receivers.behind[3], NO_BACK);
+        let [front, back] = [&receivers.front, &receivers.behind].map(|side| side[1] as usize);
+        assert_eq!(receivers.get(back, 0).normal, -Vec3::Z);
+        assert!(receivers.get(back, 0).origin.z < 5.0 && receivers.get(front, 0).origin.z > 5.0);
+    }
+
+    #[test]
+    fn rays_start_off_the_surface_at_every_scale() {
+        for scale in [1e-8, 1.0, 1e8] {
+            let world = square(scale, false);
+            let receivers = Receivers::new(&world);
+            for vertex in 0..4 {
+                let height = receivers.get(vertex, 0).origin.z - 5.0 * scale;
+                assert!(
+                    height > 0.0 && height < 1e-2 * scale,
+                    "{height} at scale {scale}"
+                );
+            }
+        }
+    }
+}

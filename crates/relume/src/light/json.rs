@@ -1,0 +1,237 @@
+//! The file light.json: coefficients with a header that says what they are.
+
+use std::fmt::Write;
+
+use serde_json::{Map, Value};
+use thiserror::Error;
+
+use crate::basis::{Convention, Order};
+use crate::files::printable;
+
+use super::incident::ShLight;
+
+/// A light and what its file says of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightFile {
+    /// The coefficients, in our convention.
+    pub light: ShLight,
+    /// The window that was applied to them, `none` if none was.
+    pub window: String,
+}
+
+/// A light.json that cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum LightJsonError {
+    /// Not JSON at all.
+    #[error("not valid JSON (which knows no NaN or Infinity): {0}")]
+    Syntax(String),
+    /// A field of the header is missing.
+    #[error("\"{field}\" is missing; it must be {accepted}")]
+    Missing {
+        /// Which.
+        field: &'static str,
+        /// What it may be.
+        accepted: String,
+    },
+    /// A field of the header has a value that is not read.
+    #[error("\"{field}\" is {found}; it must be {accepted}")]
+    Field {
+        /// Which.
+        field: &'static str,
+        /// What it is, printable.
+        found: String,
+        /// What it may be.
+        accepted: String,
+    },
+    /// A coefficient is not three finite numbers.
+    #[error(
+        "coefficient {index} (counted from 0) is not [r, g, b], three finite numbers that f32 can hold"
+    )]
+    Coefficient {
+        /// Which.
+        index: usize,
+    },
+    /// The number of coefficients does not fit the order.
+    #[error("order {order} has {expected} coefficients, but the file has {found}; write it again")]
+    Count {
+        /// The order in the header.
+        order: usize,
+        /// Its square.
+        expected: usize,
+        /// How many there are.
+        found: usize,
+    },
+}
+
+impl LightFile {
+    /// The text of the file. Numbers read back to the same f32, and the text is the same on every machine.
+    pub fn to_json(&self) -> String {
+        let text = |value: &str| Value::from(value).to_string();
+        let mut out = String::from("{\n");
+        let header = [
+            ("basis", text("sh")),
+            ("order", self.light.order().to_string()),
+            ("convention", text(&Convention::RealNoCs.to_string())),
+            ("quantity", text("radiance")),
+            ("colour", text("linear-rec709")),
+            ("window", text(&self.window)),
+        ];
+        for (field, value) in header {
+            let _ = writeln!(out, "  \"{field}\": {value},");
+        }
+        out.push_str("  \"coefficients\": [\n");
+        let rows: Vec<String> = self
+            .light
+            .coefficients()
+            .iter()
+            .map(|rgb| {
+                // Debug writes the shortest digits that read back to the same f32, and they are JSON.
+                let [r, g, b] = rgb;
+                format!("    [{r:?}, {g:?}, {b:?}]")
+            })
+            .collect();
+        out.push_str(&rows.join(",\n"));
+        out.push_str("\n  ]\n}\n");
+        out
+    }
+
+    /// Reads the text of a light.json, in any convention that is known. Fields it does not know are passed over.
+    pub fn from_json(text: &[u8]) -> Result<Self, LightJsonError> {
+        let value: Value = serde_json::from_slice(text)
+            .map_err(|error| LightJsonError::Syntax(printable(&error.to_string())))?;
+        let Value::Object(file) = value else {
+            return Err(LightJsonError::Syntax("it is not an object".to_owned()));
+        };
+        one_of(&file, "basis", "sh")?;
+        one_of(&file, "quantity", "radiance")?;
+        one_of(&file, "colour", "linear-rec709")?;
+        let convention = convention(&file)?;
+        let order = order(&file)?;
+        let window = match file.get("window") {
+            None => "none".to_owned(),
+            Some(_) => string(&file, "window", "the name of a window")?.to_owned(),
+        };
+        let coefficients = coefficients(&file)?;
+        if coefficients.len() != order.count() {
+            return Err(LightJsonError::Count {
+                order: order.get(),
+                expected: order.count(),
+                found: coefficients.len(),
+            });
+        }
+        let ours = convention.from_rgb(&coefficients);
+        let ours = ours.map_err(|error| LightJsonError::Syntax(error.to_string()))?;
+        Ok(Self {
+            light: ShLight::new(order, ours),
+            window,
+        })
+    }
+}
+
+fn order(file: &Map<String, Value>) -> Result<Order, LightJsonError> {
+    let accepted = || format!("a whole number, 1…{}", Order::MAX);
+    let value = field(file, "order", accepted)?;
+    value
+        .as_u64()
+        .and_then(|n| usize::try_from(n).ok())
+        .and_then(|n| Order::new(n).ok())
+        .ok_or_else(|| LightJsonError::Field {
+            field: "order",
+            found: shown(value),
+            accepted: accepted(),
+        })
+}
+
+fn convention(file: &Map<String, Value>) -> Result<Convention, LightJsonError> {
+    let names: Vec<String> = Convention::all().map(|c| format!("\"{c}\"")).collect();
+    let accepted = names.join(" or ");
+    let name = string(file, "convention", &accepted)?;
+    name.parse().map_err(|_| LightJsonError::Field {
+        field: "convention",
+        found: shown(&Value::from(name)),
+        accepted,
+    })
+}
+
+fn coefficients(file: &Map<String, Value>) -> Result<Vec<[f32; 3]>, LightJsonError> {
+    let accepted = || "an array of [r, g, b]".to_owned();
+    let value = field(file, "coefficients", accepted)?;
+    let rows = value.as_array().ok_or_else(|| LightJsonError::Field {
+        field: "coefficients",
+        found: shown(value),
+        accepted: accepted(),
+    })?;
+    let rgb = |row: &Value| -> Option<[f32; 3]> {
+        let numbers: Option<Vec<f32>> = row
+            .as_array()?
+            .iter()
+            .map(|value| {
+                value
+                    .as_f64()
+                    .map(|value| value as f32)
+                    .filter(|v| v.is_finite())
+            })
+            .collect();
+        numbers?.try_into().ok()
+    };
+    rows.iter()
+        .enumerate()
+        .map(|(index, row)| rgb(row).ok_or(LightJsonError::Coefficient { index }))
+        .collect()
+}
+
+fn one_of(
+    file: &Map<String, Value>,
+    name: &'static str,
+    accepted: &str,
+) -> Result<(), LightJsonError> {
+    let accepted = format!("\"{accepted}\"");
+    let value = string(file, name, &accepted)?;
+    if format!("\"{value}\"") == accepted {
+        return Ok(());
+    }
+    Err(LightJsonError::Field {
+        field: name,
+        found: shown(&Value::from(value)),
+        accepted,
+    })
+}
+
+fn string<'a>(
+    file: &'a Map<String, Value>,
+    name: &'static str,
+    accepted: &str,
+) -> Result<&'a str, LightJsonError> {
+    let value = field(file, name, || accepted.to_owned())?;
+    value.as_str().ok_or_else(|| LightJsonError::Field {
+        field: name,
+        found: shown(value),
+        accepted: accepted.to_owned(),
+    })
+}
+
+fn field<'a>(
+    file: &'a Map<String, Value>,
+    name: &'static str,
+    accepted: impl Fn() -> String,
+) -> Result<&'a Value, LightJsonError> {
+    file.get(name).ok_or_else(|| LightJsonError::Missing {
+        field: name,
+        accepted: accepted(),
+    })
+}
+
+/// A value from a file, short and fit to print.
+fn shown(value: &Value) -> String {
+    const LONGEST: usize = 40;
+    let text = printable(&value.to_string());
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text,
+    }
+}
+
+#[cfg(test)]
+#[path = "json_tests.rs"]
+mod tests;

@@ -1,0 +1,106 @@
+use proptest::prelude::*;
+
+use super::*;
+
+fn file(n: usize) -> LightFile {
+    let order = Order::new(n).unwrap();
+    let coefficients = (0..order.count())
+        .map(|i| [i as f32 / 3.0, -1e-7 * i as f32, 1e8 * i as f32])
+        .collect();
+    LightFile {
+        light: ShLight::new(order, coefficients),
+        window: "none".to_owned(),
+    }
+}
+
+#[test]
+fn the_file_is_what_the_format_says() {
+    let text = file(1).to_json();
+    assert_eq!(
+        text,
+        "{\n  \"basis\": \"sh\",\n  \"order\": 1,\n  \"convention\": \"real-no-cs\",\n  \"quantity\": \"radiance\",\n  \
+         \"colour\": \"linear-rec709\",\n  \"window\": \"none\",\n  \"coefficients\": [\n    [0.0, -0.0, 0.0]\n  ]\n}\n"
+    );
+}
+
+proptest! {
+    #[test]
+    fn every_f32_comes_back_bit_by_bit(bits in proptest::collection::vec(any::<[u32; 3]>(), 4)) {
+        let finite = |bits| Some(f32::from_bits(bits)).filter(|v| v.is_finite()).unwrap_or(1.5);
+        let coefficients: Vec<[f32; 3]> = bits.iter().map(|rgb| rgb.map(finite)).collect();
+        let light = ShLight::new(Order::new(2).unwrap(), coefficients.clone());
+        let written = LightFile { light, window: "hann".to_owned() };
+        let read = LightFile::from_json(written.to_json().as_bytes()).unwrap();
+        prop_assert_eq!(&read.window, "hann");
+        for (a, b) in read.light.coefficients().iter().flatten().zip(coefficients.iter().flatten()) {
+            prop_assert_eq!(a.to_bits(), b.to_bits());
+        }
+    }
+}
+
+#[test]
+fn other_conventions_are_converted_on_reading() {
+    let text = file(2).to_json().replace("real-no-cs", "real-cs");
+    let read = LightFile::from_json(text.as_bytes()).unwrap();
+    // With the Condon–Shortley phase, odd m have the other sign.
+    for (i, sign) in [(0, 1.0), (1, -1.0), (2, 1.0), (3, -1.0)] {
+        let expected = file(2).light.coefficients()[i].map(|value| sign * value);
+        assert_eq!(read.light.coefficients()[i], expected);
+    }
+}
+
+#[test]
+fn unknown_fields_and_a_missing_window_are_no_matter() {
+    let text = file(3)
+        .to_json()
+        .replace("\"window\": \"none\"", "\"made_by\": {\"x\": [1]}");
+    assert_eq!(LightFile::from_json(text.as_bytes()), Ok(file(3)));
+}
+
+#[test]
+fn wrong_headers_are_refused_with_what_is_accepted() {
+    for (from, to, needles) in [
+        ("\"sh\"", "\"haar\"", ["basis", "\"sh\""]),
+        ("radiance", "irradiance", ["quantity", "\"radiance\""]),
+        ("linear-rec709", "srgb", ["colour", "\"linear-rec709\""]),
+        ("real-no-cs", "complex", ["convention", "\"real-cs\""]),
+        ("\"order\": 2", "\"order\": 3", ["order 3", "9"]),
+        ("\"order\": 2", "\"order\": 2.5", ["order", "1…32"]),
+        ("\"order\": 2", "\"order\": 33", ["order", "1…32"]),
+        ("\"order\": 2", "\"order\": -2", ["order", "1…32"]),
+        ("\"basis\"", "\"base\"", ["basis", "missing"]),
+        (
+            "\"coefficients\"",
+            "\"numbers\"",
+            ["coefficients", "missing"],
+        ),
+        ("\"window\": \"none\"", "\"window\": 3", ["window", "3"]),
+        ("[0.0, -0.0, 0.0]", "[0.0, NaN, 0.0]", ["JSON", "NaN"]),
+        (
+            "[0.0, -0.0, 0.0]",
+            "[0.0, 1e39, 0.0]",
+            ["coefficient 0", "finite"],
+        ),
+        (
+            "[0.0, -0.0, 0.0]",
+            "[0.0, null, 0.0]",
+            ["coefficient 0", "finite"],
+        ),
+        ("[0.0, -0.0, 0.0]", "[0.0, 0.0]", ["coefficient 0", "three"]),
+        ("[0.0, -0.0, 0.0]", "7", ["coefficient 0", "three"]),
+        ("\"sh\"", "\"s\\u001b[31mh\"", ["basis", "\\u001b"]),
+    ] {
+        let text = file(2).to_json();
+        assert!(text.contains(from), "{from}");
+        let error = LightFile::from_json(text.replace(from, to).as_bytes()).unwrap_err();
+        let message = error.to_string();
+        for needle in needles {
+            assert!(message.contains(needle), "{to}: {message}");
+        }
+        assert_eq!(message.lines().count(), 1, "{message}");
+        assert!(!message.contains('\u{1b}'));
+    }
+    for text in ["", "[]", "{", "{}", "{\"coefficients\": 1}", "\u{0}"] {
+        assert!(LightFile::from_json(text.as_bytes()).is_err(), "{text}");
+    }
+}

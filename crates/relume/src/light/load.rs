@@ -1,0 +1,102 @@
+//! From what a person names to light.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use crate::files::printable;
+
+use super::environment::Environment;
+use super::error::LightError;
+use super::hdr_image::HdrImage;
+use super::json::LightFile;
+use super::layout::LayoutChoice;
+use super::map::EnvMap;
+use super::spec::EnvSpec;
+use super::turn::Turn;
+
+/// The longest file that is read: 4 GiB.
+pub const MAX_FILE_BYTES: u64 = 1 << 32;
+
+/// How a light is read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LightOptions {
+    /// How an image is wrapped around the sphere.
+    pub layout: LayoutChoice,
+    /// Turns applied to it, the first one first.
+    pub turns: Vec<Turn>,
+}
+
+/// Reads or makes the light that `spec` names, turned as the options say, with what a person should know about it.
+///
+/// Files are known by their content: images ([`HdrImage::decode`]) and light.json ([`LightFile`]). Warnings are single lines.
+pub fn load(
+    spec: &EnvSpec,
+    options: &LightOptions,
+) -> Result<(Environment, Vec<String>), LightError> {
+    let (environment, warnings) = match spec {
+        EnvSpec::File(path) => load_file(path, options.layout)?,
+        EnvSpec::Constant(radiance) => (Environment::Constant(*radiance), Vec::new()),
+        EnvSpec::Sun(sun) => (Environment::Sun(*sun), Vec::new()),
+        EnvSpec::Sky(sky) => (Environment::Sky(sky.clone()), Vec::new()),
+    };
+    let environment = if options.turns.is_empty() {
+        environment
+    } else {
+        environment
+            .rotated(Turn::all(&options.turns))
+            .expect("products of rotations")
+    };
+    Ok((environment, warnings))
+}
+
+fn load_file(path: &Path, layout: LayoutChoice) -> Result<(Environment, Vec<String>), LightError> {
+    let name = path.display().to_string();
+    let bytes = read_file(path, &name)?;
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+    if text.iter().find(|c| !c.is_ascii_whitespace()) == Some(&b'{') {
+        let file =
+            LightFile::from_json(text).map_err(|error| LightError::Json { path: name, error })?;
+        return Ok((Environment::Sh(file.light), Vec::new()));
+    }
+    let (image, warnings) = HdrImage::decode(&bytes).map_err(|error| LightError::Image {
+        path: name.clone(),
+        error,
+    })?;
+    let warnings = warnings
+        .into_iter()
+        .map(|warning| format!("{}: {warning}", printable(&name)))
+        .collect();
+    let map =
+        EnvMap::new(image, layout).map_err(|error| LightError::Layout { path: name, error })?;
+    Ok((Environment::Map(map), warnings))
+}
+
+fn read_file(path: &Path, name: &str) -> Result<Vec<u8>, LightError> {
+    let failed = |source| LightError::Read {
+        path: name.to_owned(),
+        source,
+    };
+    // Asked before opening: opening a pipe would wait.
+    let metadata = std::fs::metadata(path).map_err(failed)?;
+    if !metadata.is_file() {
+        return Err(LightError::NotAFile {
+            path: name.to_owned(),
+        });
+    }
+    if metadata.len() > MAX_FILE_BYTES {
+        return Err(LightError::FileTooLarge {
+            path: name.to_owned(),
+            bytes: metadata.len(),
+        });
+    }
+    let mut bytes = Vec::with_capacity(metadata.len() as usize);
+    File::open(path)
+        .and_then(|file| file.take(MAX_FILE_BYTES).read_to_end(&mut bytes))
+        .map_err(failed)?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+#[path = "load_tests.rs"]
+mod tests;

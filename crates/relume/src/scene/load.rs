@@ -1,0 +1,111 @@
+//! Reading a scene file of any format.
+
+use std::path::Path;
+
+use super::resolve::{Folder, Syntax};
+use super::{Scene, SceneError, finish, gltf, obj, ply};
+use crate::files::printable;
+
+/// What the person who imports may change.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ImportOptions {
+    /// Linear albedo in 0…1 that replaces every base colour: factors, textures and vertex colours (`--albedo`).
+    pub albedo: Option<[f32; 3]>,
+}
+
+/// A format by its file name.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Gltf,
+    Glb,
+    Obj,
+    Ply,
+}
+
+/// Reads a `.gltf`, `.glb`, `.obj` or `.ply` file and what it refers to.
+///
+/// Positions keep the order of the file. Base colours are linear: glTF without a material is 1, OBJ and PLY without one are 0.5 (said in
+/// [`Scene::warnings`]). Missing normals are angle-weighted [thuermer1998]. References are followed only to regular files inside the
+/// scene's own folder. [`Scene::source_hash`] is the SHA-256 of the file's bytes followed by those of every file it refers to, in the order
+/// of reference; for a file that stands alone it is the file's own SHA-256.
+///
+/// # Errors
+///
+/// A file that cannot be read, is not what its name says, does not hold together, or has no triangles. The message starts with the path.
+pub fn load(path: &Path, options: &ImportOptions) -> Result<Scene, SceneError> {
+    read(path, options).map_err(|error| error.within(printable(&path.to_string_lossy())))
+}
+
+fn read(path: &Path, options: &ImportOptions) -> Result<Scene, SceneError> {
+    let format = format_of(path)?;
+    let (mut folder, bytes) = Folder::open(path)?;
+    check_content(format, &bytes)?;
+    let mut fetch = |uri: &str| folder.read(uri, Syntax::Uri);
+    let mut scene = match format {
+        Format::Gltf => gltf::read_gltf(&bytes, &mut fetch)?,
+        Format::Glb => gltf::read_glb(&bytes, &mut fetch)?,
+        Format::Obj => obj::read(&bytes, &mut folder)?,
+        Format::Ply => ply::read(&bytes)?,
+    };
+    scene.source_hash = folder.hash();
+    if let Some(albedo) = options.albedo {
+        finish::override_albedo(&mut scene, albedo)?;
+    }
+    Ok(scene)
+}
+
+fn format_of(path: &Path) -> Result<Format, SceneError> {
+    let extension = path
+        .extension()
+        .map(|e| e.to_string_lossy().to_ascii_lowercase());
+    match extension.as_deref() {
+        Some("gltf") => Ok(Format::Gltf),
+        Some("glb") => Ok(Format::Glb),
+        Some("obj") => Ok(Format::Obj),
+        Some("ply") => Ok(Format::Ply),
+        Some(other) => Err(SceneError::Format {
+            found: format!("the extension .{} is not one of a scene", printable(other)),
+        }),
+        None => Err(SceneError::Format {
+            found: "the name has no extension".to_owned(),
+        }),
+    }
+}
+
+/// Refuses content that cannot be what the name says.
+fn check_content(format: Format, bytes: &[u8]) -> Result<(), SceneError> {
+    let text = bytes
+        .strip_prefix(b"\xef\xbb\xbf")
+        .unwrap_or(bytes)
+        .trim_ascii_start();
+    let is_ply = bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r");
+    let is_glb = bytes.starts_with(b"glTF");
+    let is_json = text.starts_with(b"{");
+    let is_binary = bytes[..bytes.len().min(4096)].contains(&0);
+    let fits = match format {
+        Format::Gltf => is_json,
+        Format::Glb => is_glb,
+        Format::Ply => is_ply,
+        Format::Obj => !(is_ply || is_glb || is_json || is_binary),
+    };
+    if fits {
+        return Ok(());
+    }
+    let content = match () {
+        () if bytes.is_empty() => "the file is empty",
+        () if is_ply => "the content is PLY",
+        () if is_glb => "the content is binary glTF",
+        () if is_json => "the content is JSON",
+        () if is_binary => "the content is binary data of another format",
+        () => "the content is text of another format",
+    };
+    let name = match format {
+        Format::Gltf => ".gltf",
+        Format::Glb => ".glb",
+        Format::Obj => ".obj",
+        Format::Ply => ".ply",
+    };
+    Err(SceneError::Format {
+        found: format!("the name ends in {name}, but {content}"),
+    })
+}

@@ -1,0 +1,126 @@
+//! `cargo xtask audit`: what is worth checking now and then, not on every change.
+
+use std::collections::BTreeMap;
+
+use crate::context::Context;
+use crate::need::Need;
+use crate::step::Step;
+use crate::tally::Tally;
+use crate::{licence, process};
+
+macro_rules! platform {
+    ($name:literal, $target:literal) => {
+        Step {
+            name: $name,
+            what: concat!("the library and the program compile for ", $target),
+            needs: &[Need::Target($target)],
+            run: |context| {
+                let mut tally = Tally::default();
+                tally.command(&mut context.cargo(concat!(
+                    "check --locked -p relume -p relume-cli --target ",
+                    $target
+                )))?;
+                Ok(tally)
+            },
+        }
+    };
+}
+
+/// Platforms that are only compiled for, then the dependencies.
+pub const STEPS: &[Step] = &[
+    platform!("windows-msvc", "x86_64-pc-windows-msvc"),
+    platform!("windows-gnu", "x86_64-pc-windows-gnu"),
+    platform!("macos", "aarch64-apple-darwin"),
+    platform!("linux-arm", "aarch64-unknown-linux-gnu"),
+    Step {
+        name: "licences",
+        what: "every dependency may be used under a permissive licence",
+        needs: &[],
+        run: licences,
+    },
+];
+
+/// Every package that is linked or run on some platform, as `name vX.Y.Z` → licence expression.
+type Packages = BTreeMap<String, String>;
+
+fn licences(context: &Context) -> Result<Tally, String> {
+    let mut cargo =
+        context.cargo("tree --locked --workspace --target all --edges all --prefix none");
+    cargo.args(["--format", "{p}\t{l}"]);
+    let packages = packages(&process::output(&mut cargo)?)?;
+    println!("{} packages", packages.len());
+    // Two versions of a package cost build time and size; that is no error.
+    for (name, versions) in duplicates(&packages) {
+        println!("twice: {name} {}", versions.join(", "));
+    }
+    let mut tally = Tally::default();
+    for (package, expression) in &packages {
+        if let Err(why) = licence::permitted(expression) {
+            println!("licence: {package}: {why}");
+            tally.failed.push(package.clone());
+        }
+    }
+    tally.check("licences", tally.failed.is_empty());
+    Ok(tally)
+}
+
+fn packages(tree: &str) -> Result<Packages, String> {
+    let mut packages = Packages::new();
+    for line in tree.lines().filter(|line| !line.trim().is_empty()) {
+        let (package, licence) = line
+            .split_once('\t')
+            .ok_or_else(|| format!("cargo tree printed {line:?}"))?;
+        // `name v1.2.3 (proc-macro)`, `name v0.1.0 (/path)`; repeated packages end in ` (*)`.
+        let package = package.split(" (").next().unwrap_or(package);
+        let licence = licence.trim_end_matches(" (*)");
+        packages.insert(package.to_owned(), licence.to_owned());
+    }
+    Ok(packages)
+}
+
+fn duplicates(packages: &Packages) -> Vec<(&str, Vec<&str>)> {
+    let mut versions: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for (name, version) in packages
+        .keys()
+        .filter_map(|package| package.split_once(' '))
+    {
+        versions.entry(name).or_default().push(version);
+    }
+    versions
+        .into_iter()
+        .filter(|(_, list)| list.len() > 1)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TREE: &str = "\
+relume v0.1.0 (/home/someone/relume/crates/relume)\tMIT OR Apache-2.0
+serde v1.0.229\tMIT OR Apache-2.0
+serde_derive v1.0.229 (proc-macro)\tMIT OR Apache-2.0
+sha2 v0.10.9\tMIT OR Apache-2.0
+
+sha2 v0.11.1\tMIT OR Apache-2.0
+serde v1.0.229\tMIT OR Apache-2.0 (*)
+nameless v0.1.0\t
+";
+
+    #[test]
+    fn a_tree_is_read_as_packages_with_their_licences() {
+        let packages = packages(TREE).unwrap();
+        assert_eq!(packages.len(), 6);
+        assert_eq!(packages["serde v1.0.229"], "MIT OR Apache-2.0");
+        assert_eq!(packages["nameless v0.1.0"], "");
+        assert_eq!(
+            duplicates(&packages),
+            [("sha2", vec!["v0.10.9", "v0.11.1"])]
+        );
+    }
+
+    #[test]
+    fn a_line_without_a_licence_column_is_refused() {
+        assert!(packages("error: nothing here").is_err());
+    }
+}

@@ -1,0 +1,104 @@
+//! `cargo xtask bench [NAME]`: figures against other programs, on release builds. Nothing here passes or fails.
+
+use std::process::ExitCode;
+
+use crate::context::Context;
+use crate::need::{Missing, Need, provide};
+use crate::options::Options;
+use crate::python::Environment;
+use crate::{process, step};
+
+/// Where Mitsuba is installed.
+static MITSUBA: Environment = Environment {
+    folder: "venv-bench",
+    packages: "mitsuba>=3.9 numpy",
+    probe: "import mitsuba, numpy",
+};
+
+/// Mitsuba compiles its kernels with LLVM at run time; versions before 17 do not do.
+const LLVM_PROBE: &str = "\
+import mitsuba as mi
+mi.set_variant('llvm_ad_rgb')
+import drjit as dr
+dr.eval(dr.arange(mi.Float, 3))";
+
+const TOOL: &str = "tools/mitsuba_vertex_reference.py";
+
+struct Bench {
+    name: &'static str,
+    what: &'static str,
+    needs: &'static [Need],
+    run: fn(&Context, &[String]) -> Result<bool, String>,
+}
+
+const BENCHES: &[Bench] = &[Bench {
+    name: "mitsuba",
+    what: "transfer vectors against Mitsuba 3, direct and bounced light",
+    needs: &[
+        Need::Shared(TOOL),
+        Need::Python,
+        Need::Environment(&MITSUBA),
+        Need::Library {
+            name: "LLVM 19",
+            debian: "libllvm19",
+            environment: &MITSUBA,
+            probe: LLVM_PROBE,
+        },
+    ],
+    run: mitsuba,
+}];
+
+/// Runs the benches asked for; what follows `--` goes to the one named.
+pub fn run(context: &Context, options: &Options) -> Result<ExitCode, String> {
+    let names: Vec<&str> = BENCHES.iter().map(|bench| bench.name).collect();
+    options.check_names(&names)?;
+    if !options.rest.is_empty() && options.only.len() != 1 {
+        return Err("name the one bench that the arguments after -- are for".to_owned());
+    }
+    let mut ok = true;
+    for bench in BENCHES.iter().filter(|bench| options.wants(bench.name)) {
+        if options.list {
+            step::describe(context, bench.name, bench.what, bench.needs);
+            continue;
+        }
+        step::header(bench.name, bench.what);
+        match provide(context, bench.needs, options.setup) {
+            Ok(()) => ok &= (bench.run)(context, &options.rest)?,
+            Err(Missing::Skip(why)) => println!("skipped: {}: {why}", bench.name),
+            Err(Missing::Failed(why)) => {
+                println!("error: {}: {why}", bench.name);
+                ok = false;
+            }
+        }
+    }
+    Ok(ExitCode::from(u8::from(!ok)))
+}
+
+fn mitsuba(context: &Context, arguments: &[String]) -> Result<bool, String> {
+    if !process::succeeds(&mut context.cargo("build --release --locked -p relume-cli"))? {
+        return Ok(false);
+    }
+    let tool = context.shared(TOOL).ok_or("the tool has gone")?;
+    let mut python = MITSUBA.python(context);
+    python
+        .arg("-u")
+        .arg("xtask/bench/mitsuba_compare.py")
+        .arg("--relume")
+        .arg(context.relume("release"))
+        .arg("--tool")
+        .arg(tool)
+        .arg("--work")
+        .arg(context.target.join("bench/mitsuba"));
+    if !arguments
+        .iter()
+        .any(|argument| argument.starts_with("--mesh"))
+    {
+        let figures = ["armadillo_43k.obj", "happy_buddha_50k.obj"];
+        let meshes = figures.map(|name| context.shared(&format!("data/meshes/{name}")));
+        for mesh in meshes.iter().flatten() {
+            python.arg("--mesh").arg(mesh);
+        }
+        python.args(["--mesh", "two-objects"]);
+    }
+    process::succeeds(python.args(arguments))
+}

@@ -1,0 +1,67 @@
+//! Where things are, and commands that run there.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The repository and its build folder.
+pub struct Context {
+    /// The repository's root.
+    pub root: PathBuf,
+    /// The one target folder: `CARGO_TARGET_DIR`, or `target/` in the root.
+    pub target: PathBuf,
+}
+
+impl Context {
+    /// Finds both from the environment cargo gives to `cargo xtask`.
+    pub fn find() -> Result<Self, String> {
+        let manifest = std::env::var_os("CARGO_MANIFEST_DIR")
+            .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from);
+        let root = manifest
+            .parent()
+            .ok_or("xtask has no folder above it")?
+            .to_owned();
+        let target = match std::env::var_os("CARGO_TARGET_DIR") {
+            // Cargo reads a relative one from where it was called.
+            Some(folder) => std::path::absolute(Path::new(&folder))
+                .map_err(|error| format!("CARGO_TARGET_DIR: {error}"))?,
+            None => root.join("target"),
+        };
+        Ok(Self { root, target })
+    }
+
+    /// A program that runs in the root.
+    pub fn command(&self, program: impl AsRef<std::ffi::OsStr>) -> Command {
+        let mut command = Command::new(program);
+        command.current_dir(&self.root);
+        command
+    }
+
+    /// Cargo with the words of `arguments`, in the root, building into the one target folder.
+    pub fn cargo(&self, arguments: &str) -> Command {
+        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+        let mut command = self.command(cargo);
+        command
+            .args(arguments.split_whitespace())
+            .env("CARGO_TARGET_DIR", &self.target);
+        command
+    }
+
+    /// Where tests leave the `.glb` files that the glTF validator reads; they learn it from `RELUME_ASSETS`.
+    pub fn assets(&self) -> PathBuf {
+        self.target.join("assets")
+    }
+
+    /// The built `relume` program of a profile.
+    pub fn relume(&self, profile: &str) -> PathBuf {
+        let name = format!("relume{}", std::env::consts::EXE_SUFFIX);
+        self.target.join(profile).join(name)
+    }
+
+    /// `shared/<path>` beside the repository or an ancestor of it: data and tools that are not part of the repository.
+    pub fn shared(&self, path: &str) -> Option<PathBuf> {
+        self.root
+            .ancestors()
+            .map(|folder| folder.join("shared").join(path))
+            .find(|found| found.exists())
+    }
+}

@@ -1,0 +1,145 @@
+//! `cargo xtask test`: everything that must hold before a change lands.
+//!
+//! One native profile (`dev`) and no release build, so that a clean clone finishes within 40 minutes on two cores.
+
+use crate::context::Context;
+use crate::libtest::Libtest;
+use crate::need::Need;
+use crate::step::Step;
+use crate::tally::Tally;
+use crate::{process, python, validator};
+
+const WASM: &str = "wasm32-unknown-unknown";
+const CLIPPY: Need = Need::Component {
+    cargo: "clippy",
+    rustup: "clippy",
+};
+const RUSTFMT: Need = Need::Component {
+    cargo: "fmt",
+    rustup: "rustfmt",
+};
+
+/// In the order they run: the quick ones first, and the assets are validated after the tests that write them.
+pub const STEPS: &[Step] = &[
+    Step {
+        name: "fmt",
+        what: "formatting",
+        needs: &[RUSTFMT],
+        run: |context| commands(context, &["fmt --all --check"]),
+    },
+    Step {
+        name: "clippy",
+        what: "lints of every target, warnings denied",
+        needs: &[CLIPPY],
+        run: |context| {
+            commands(
+                context,
+                &["clippy --locked --workspace --all-targets -- -D warnings"],
+            )
+        },
+    },
+    Step {
+        name: "features",
+        what: "the library without its features, and with one at a time",
+        needs: &[CLIPPY],
+        run: |context| {
+            commands(
+                context,
+                &[
+                    "clippy --locked -p relume --no-default-features -- -D warnings",
+                    "clippy --locked -p relume --no-default-features --features import -- -D warnings",
+                    "clippy --locked -p relume --no-default-features --features images -- -D warnings",
+                    "clippy --locked -p relume --no-default-features --features bake -- -D warnings",
+                ],
+            )
+        },
+    },
+    Step {
+        name: "wasm",
+        what: "the library for the web, with its features and without",
+        needs: &[CLIPPY, Need::Target(WASM)],
+        run: |context| {
+            commands(
+                context,
+                &[
+                    "clippy --locked -p relume --target wasm32-unknown-unknown -- -D warnings",
+                    "clippy --locked -p relume --target wasm32-unknown-unknown --no-default-features -- -D warnings",
+                ],
+            )
+        },
+    },
+    Step {
+        name: "docs",
+        what: "documentation as published and with private items, warnings denied",
+        needs: &[],
+        run: docs,
+    },
+    Step {
+        name: "tests",
+        what: "unit, property, golden and command-line tests and the examples in the documentation",
+        needs: &[],
+        run: tests,
+    },
+    Step {
+        name: "python",
+        what: "exports read with numpy, and the Python examples of the documentation",
+        needs: &[Need::Python, Need::Environment(&python::TESTS)],
+        run: python::run_tests,
+    },
+    Step {
+        name: "gltf",
+        what: "the assets written by the tests, through the Khronos validator",
+        needs: &[
+            Need::Program {
+                name: "node",
+                debian: "nodejs",
+            },
+            Need::Program {
+                name: "npm",
+                debian: "npm",
+            },
+            Need::NodeModules,
+        ],
+        run: validator::run,
+    },
+];
+
+/// Runs cargo once for each line; each is one check.
+fn commands(context: &Context, lines: &[&str]) -> Result<Tally, String> {
+    let mut tally = Tally::default();
+    for line in lines {
+        tally.command(&mut context.cargo(line))?;
+    }
+    Ok(tally)
+}
+
+fn docs(context: &Context) -> Result<Tally, String> {
+    let mut tally = Tally::default();
+    for line in [
+        "doc --locked --no-deps --workspace --document-private-items",
+        "doc --locked --no-deps --workspace",
+    ] {
+        tally.command(context.cargo(line).env("RUSTDOCFLAGS", "-D warnings"))?;
+    }
+    Ok(tally)
+}
+
+fn tests(context: &Context) -> Result<Tally, String> {
+    let assets = context.assets();
+    // What an earlier run has left there says nothing about this one.
+    match std::fs::remove_dir_all(&assets) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            return Err(format!("{}: {error}", assets.display()));
+        }
+        _ => std::fs::create_dir_all(&assets)
+            .map_err(|error| format!("{}: {error}", assets.display()))?,
+    }
+    let mut libtest = Libtest::default();
+    let mut cargo = context.cargo("test --locked --workspace --no-fail-fast -- --show-output");
+    cargo
+        .env("RELUME_ASSETS", &assets)
+        // Failing cases are printed; nothing is written beside the sources.
+        .env("PROPTEST_DISABLE_FAILURE_PERSISTENCE", "1");
+    let status = process::stream(&mut cargo, |line| libtest.line(line))?;
+    Ok(libtest.finish(status.success()))
+}
