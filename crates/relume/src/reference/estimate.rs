@@ -17,12 +17,10 @@ pub type Light<'a> = dyn Fn(DVec3) -> [f64; 3] + Sync + 'a;
 /// A point that light is gathered at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Receiver {
-    /// In the world, metres.
-    pub position: Vec3,
-    /// Unit length.
+    /// Where paths start, in the world: just in front of the surface, so that they do not meet it at once.
+    pub origin: Vec3,
+    /// Unit normal of the hemisphere that is gathered.
     pub normal: Vec3,
-    /// How far along the normal paths start (at least the rounding of the position), metres.
-    pub offset: f32,
 }
 
 /// How paths are drawn.
@@ -86,26 +84,46 @@ pub fn sh_radiance(light: &ShLight) -> impl Fn(DVec3) -> [f64; 3] + Sync + use<>
     }
 }
 
-/// Receivers at vertices of the world, offset by a thousandth of the shortest edge that meets there.
+/// Receivers at vertices of the world.
+///
+/// Paths start a thousandth of the shortest edge that meets at the vertex in front of it (no less than rounding), and a thousandth of
+/// the way toward the mean of its triangles' centres. The latter decides what a vertex on the seam of two surfaces sees, a wall's foot
+/// on a floor say: not a coin toss about a plane it lies in, but the limit of what its own surface sees close by.
 pub fn receivers_at(world: &World, vertices: &[usize]) -> Vec<Receiver> {
-    let mut shortest = vec![f32::INFINITY; world.positions.len()];
-    for &[a, b, c] in &world.triangles {
-        for (i, j) in [(a, b), (b, c), (c, a)].map(|(i, j)| (i as usize, j as usize)) {
-            let length = world.positions[i].distance(world.positions[j]);
-            if length > 0.0 {
-                shortest[i] = shortest[i].min(length);
-                shortest[j] = shortest[j].min(length);
+    #[derive(Clone, Default)]
+    struct Around {
+        shortest: f64,
+        centres: DVec3,
+        triangles: u32,
+    }
+    let mut around = vec![Around::default(); world.positions.len()];
+    let position = |i: u32| world.positions[i as usize].as_dvec3();
+    for &corners in &world.triangles {
+        let points = corners.map(position);
+        let centre = (points[0] + points[1] + points[2]) / 3.0;
+        for k in 0..3 {
+            let place = &mut around[corners[k] as usize];
+            for length in [1, 2].map(|step| points[k].distance(points[(k + step) % 3])) {
+                if length > 0.0 && (place.shortest == 0.0 || length < place.shortest) {
+                    place.shortest = length;
+                }
             }
+            place.centres += centre;
+            place.triangles += 1;
         }
     }
-    let receiver = |&v: &usize| Receiver {
-        position: world.positions[v],
-        normal: world.normals[v],
-        offset: if shortest[v].is_finite() {
-            shortest[v] * 1e-3
+    let receiver = |&v: &usize| {
+        let (around, at) = (&around[v], position(v as u32));
+        let inward = if around.triangles > 0 {
+            (around.centres / f64::from(around.triangles) - at) * 1e-3
         } else {
-            0.0
-        },
+            DVec3::ZERO
+        };
+        let normal = world.normals[v];
+        Receiver {
+            origin: offset(at + inward, normal.as_dvec3(), around.shortest * 1e-3),
+            normal,
+        }
     };
     vertices.iter().map(receiver).collect()
 }
@@ -178,14 +196,13 @@ fn replicate(
         let mut rng = Pcg32::new(mix(options.seed, receiver as u64), u64::from(replicate));
         let from = receivers[receiver];
         let normal = from.normal.as_dvec3();
-        let origin = offset(from.position.as_dvec3(), normal, f64::from(from.offset));
         // A random shift (modulo 1) makes each replicate an unbiased estimate of its own.
         let (du, dv) = (rng.next_unit(), rng.next_unit());
         let mut sum = vec![0.0; width];
         for i in 0..paths {
             let (u, v) = hammersley(i, paths);
             let direction = cosine_direction(normal, (u + du).fract(), (v + dv).fract());
-            let escape = follow(&caster, origin, direction, options.bounces, &mut rng);
+            let escape = follow(&caster, from.origin, direction, options.bounces, &mut rng);
             if let Some(escape) = escape.filter(|e| e.bounces >= options.least_bounces) {
                 add(&escape, &mut sum);
             }

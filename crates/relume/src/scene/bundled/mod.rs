@@ -11,3 +11,6 @@ mod shapes;
 
 pub use analytic::{bowl, plane_under_sphere, room, sphere};
 pub use courtyard::{courtyard, courtyard_camera};
+
+#[cfg(test)]
+mod tests;
