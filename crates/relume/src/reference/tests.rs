@@ -145,7 +145,10 @@ fn a_ball_shadows_the_floor_below_by_its_form_factor() {
             "{x}: {low} {mean} {high} ± {error}"
         );
         let width = high - low + 2.0 * slack;
-        assert!(width < 0.02 * blocked(radius), "too loose to tell anything: {width}");
+        assert!(
+            width < 0.02 * blocked(radius),
+            "too loose to tell anything: {width}"
+        );
     }
 }
 
