@@ -18,6 +18,7 @@ mod obj;
 mod ply;
 #[cfg(feature = "import")]
 mod resolve;
+mod tessellate;
 #[cfg(all(test, feature = "import"))]
 mod tests;
 mod world;
@@ -28,6 +29,7 @@ pub use finish::override_albedo;
 pub use load::{ImportOptions, load};
 pub use material::{AlphaMode, Material, Sampler, Texture, Wrap, srgb_to_linear};
 pub use mesh::{Group, Instance, Mesh};
+pub use tessellate::{TOO_COARSE, auto_max_edge, coarseness, tessellate};
 pub use world::{Surface, World};
 
 /// A scene as a file says it.
