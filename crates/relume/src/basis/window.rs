@@ -23,7 +23,7 @@ pub enum Window {
     /// The narrowest Gauss window that leaves no channel negative anywhere; none if none is needed.
     ///
     /// Gauss, because it is a blur: blurring further cannot bring negative values back, so there is one least width, which
-    /// bisection finds. And it loses least: a Hann window reduces a small sun without sky to a cosine lobe at any order (a third
+    /// bisection finds. And it loses less: a Hann window reduces a small sun without sky to a cosine lobe at any order (a third
     /// of degree 1, nothing of the others), where Gauss leaves 0.65 of degree 1 at order 5 and 0.76 at order 9.
     Auto,
 }

@@ -175,6 +175,17 @@ fn auto_keeps_what_its_documentation_says() {
             factors[1]
         );
     }
+    // No Hann window that leaves more than a third of degree 1 (cutoff 1.644) does.
+    for n in [5, 9] {
+        let c = sun(n, DVec3::X, 1e-3, 0.0);
+        for cutoff in [1.66, 2.0, 2.7, 3.5, 5.0, 7.0, 9.0, 12.0, 20.0] {
+            let windowed = Window::Hann(cutoff).apply(&c).unwrap().coefficients;
+            assert!(
+                minimum(&windowed) < -noise(&windowed),
+                "order {n}, cutoff {cutoff}"
+            );
+        }
+    }
 }
 
 #[test]
