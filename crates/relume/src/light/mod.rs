@@ -21,7 +21,7 @@ mod load;
 mod map;
 mod pfm;
 mod project;
-#[cfg(test)]
+#[cfg(all(test, feature = "images"))]
 mod published_tests;
 mod sky;
 mod spec;
