@@ -21,7 +21,8 @@ mod load;
 mod map;
 mod pfm;
 mod project;
-#[cfg(all(test, feature = "images"))]
+#[cfg(test)]
+#[cfg(feature = "images")]
 mod published_tests;
 mod sky;
 mod spec;
