@@ -701,7 +701,7 @@ fn scattered_parts_are_gathered_into_one_buffer() {
         assert_eq!(start % 4, 0);
         &document.bin[start..start + length]
     };
-    assert_eq!([slice(0), slice(1), slice(2)], [png(); 3]);
+    assert_eq!([slice(0), slice(1), slice(2)], [png(), png(), png()]);
     assert_eq!(document.json["images"][0]["mimeType"], "image/png");
     let expected = json!([{"byteLength": document.bin.len(), "name": "first"}]);
     assert_eq!(document.json["buffers"], expected);
