@@ -41,6 +41,7 @@ pub fn tessellate(scene: &Scene, max_edge: f64) -> Result<Scene, SceneError> {
         instances: Vec::with_capacity(scene.instances.len()),
         document: scene.document.clone(),
         source_hash: scene.source_hash.clone(),
+        albedo_override: scene.albedo_override,
         warnings: scene.warnings.clone(),
     };
     let (mut vertices, mut triangles) = (0, 0);
