@@ -41,7 +41,7 @@ pub struct Description {
     pub materials: usize,
     /// Decoded base colour textures.
     pub textures: usize,
-    /// Names of materials that are used and metallic, which diffuse transfer ignores.
+    /// Names of materials that are used and have a metallic factor, which diffuse transfer ignores; fit to print.
     pub metallic: Vec<String>,
 }
 
@@ -167,7 +167,7 @@ impl Description {
             0 => String::new(),
             more => format!(" (and {more} more)"),
         };
-        let note = format!("diffuse transfer ignores that material \"{first}\"{more} is metallic");
+        let note = format!("diffuse transfer ignores metalness: material \"{first}\"{more}");
         writeln!(f, "{:<12} {note}", "note")
     }
 }

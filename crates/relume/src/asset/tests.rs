@@ -325,7 +325,15 @@ fn what_a_glb_cannot_say_is_refused_before_the_bake() {
     };
     let sheared = glam::DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 1.0]);
     let sheared = glam::DAffine3::from_mat3(sheared);
-    let cases: [(&dyn Fn(&mut Scene), &str); 6] = [
+    let cases: [(&dyn Fn(&mut Scene), &str); 8] = [
+        (
+            &|s| s.instances[1].mesh = 2,
+            "instance 1 names a mesh, material or vertex",
+        ),
+        (
+            &|s| s.meshes[0].groups[1].triangles[0][2] = 17,
+            "instance 1 names a mesh, material or",
+        ),
         (
             &|s| s.instances[1].world_from_object = sheared,
             "instance \"1\" is sheared",
@@ -403,12 +411,13 @@ fn a_description_counts_and_warns() {
         "{text}"
     );
     assert!(
-        text.contains("ignores that material \"brass\" is metallic"),
+        text.contains("ignores metalness: material \"brass\""),
         "{text}"
     );
 }
 
 mod damage;
+mod docs;
 mod document;
 #[cfg(feature = "import")]
 mod real;
