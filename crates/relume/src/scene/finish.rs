@@ -48,8 +48,7 @@ impl Repairs {
     pub(super) fn scene(mut self, scene: &mut Scene) -> Result<(), SceneError> {
         for material in &mut scene.materials {
             for channel in &mut material.base_color {
-                // NaN becomes 0.
-                let clamped = channel.max(0.0).min(1.0);
+                let clamped = channel.clamp(0.0, 1.0);
                 self.clamped |= clamped != *channel;
                 *channel = clamped;
             }

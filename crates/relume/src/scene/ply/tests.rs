@@ -143,7 +143,7 @@ fn headers_are_not_believed() {
             "element vertex 2\n",
             face,
             "3 0 0 0\n0 0 0\n",
-            "header announces",
+            "Unexpected end of file",
         ),
         (
             "element vertex 1\n",
@@ -186,4 +186,20 @@ fn headers_are_not_believed() {
     assert!(read(b"ply\nformat ascii 1.0\nend_header\n").is_err());
     assert!(read(b"ply\nformat middle_endian 1.0\nend_header\n").is_err());
     assert!(read(b"ply\n").is_err());
+}
+
+#[test]
+fn every_cut_and_flipped_byte_is_an_error_or_a_mesh() {
+    for good in [ascii(), binary(false)] {
+        for at in 0..good.len() {
+            let _ = read(&good[..at]);
+            for flip in [1u8, 0x10, 0x80] {
+                let mut bad = good.clone();
+                bad[at] ^= flip;
+                if let Err(error) = read(&bad) {
+                    assert!(!error.to_string().contains('\n'), "{error}");
+                }
+            }
+        }
+    }
 }
