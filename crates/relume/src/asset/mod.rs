@@ -35,5 +35,5 @@ pub struct Asset {
     pub transfer: Transfer,
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "images"))]
 mod tests;

@@ -7,6 +7,7 @@ use super::samples;
 use super::*;
 use crate::basis::Order;
 use crate::scene::{Document, Mesh, World, gltf};
+use document::document;
 
 fn glb(asset: &Asset) -> Vec<u8> {
     to_glb(asset).unwrap()
@@ -87,81 +88,6 @@ fn every_kind_of_transfer_comes_back() {
         let asset = Asset { scene, transfer };
         assert_eq!(from_glb(&glb(&asset)).unwrap().transfer, asset.transfer);
     }
-}
-
-/// A document with what Relume does not know: extras, an extension, a camera, a line primitive, an interleaved accessor.
-fn document() -> Document {
-    let vertex = |x: f32, y: f32, u: f32| [x, y, 0.25, 0.0, 0.0, 1.0, u, y];
-    let corners = [
-        vertex(0.0, 0.0, 0.0),
-        vertex(2.0, 0.0, 1.0),
-        vertex(2.0, 1.0, 1.0),
-        vertex(0.0, 1.0, 0.0),
-    ];
-    let mut bin: Vec<u8> = corners
-        .iter()
-        .flatten()
-        .flat_map(|c| c.to_le_bytes())
-        .collect();
-    bin.extend([0, 1, 2, 0, 2, 3, 9]);
-    let image = samples::scene();
-    let fresh = to_glb(&Asset {
-        transfer: samples::transfer(image.vertex_count(), 1, 1, None),
-        scene: image,
-    })
-    .unwrap();
-    let (fresh, chunk) = parts(&fresh);
-    let png = fresh["images"][0]["bufferView"].as_u64().unwrap() as usize;
-    let png = &fresh["bufferViews"][png];
-    let start = png["byteOffset"].as_u64().unwrap() as usize;
-    let length = png["byteLength"].as_u64().unwrap() as usize;
-    bin.resize(136, 0);
-    bin.extend(&chunk[start..start + length]);
-    let accessor = |offset: u32, kind: &str| {
-        json!({
-        "bufferView": 0, "byteOffset": offset, "componentType": 5126, "count": 4, "type": kind })
-    };
-    let mut position = accessor(0, "VEC3");
-    position["min"] = json!([0.0, 0.0, 0.25]);
-    position["max"] = json!([2.0, 1.0, 0.25]);
-    let moved = json!({ "KHR_texture_transform": { "offset": [0.125, 0.5], "rotation": 0.3, "scale": [3.0, 0.7] } });
-    let json = json!({
-        "asset": { "version": "2.0", "copyright": "nobody" },
-        "extensionsUsed": ["KHR_texture_transform", "EXT_something"],
-        "extras": { "note": [1, 2.5, 1e-7, "\u{e9}"] },
-        "scene": 0,
-        "scenes": [{ "nodes": [1, 0] }],
-        "nodes": [
-            { "mesh": 0, "name": "first", "translation": [1, 0, 0], "extensions": { "EXT_something": { "x": 1 } } },
-            { "children": [2, 3] },
-            { "mesh": 0, "scale": [-1, 1, 1] },
-            { "camera": 0 },
-        ],
-        "cameras": [{ "type": "perspective", "perspective": { "yfov": 0.7, "znear": 0.1 } }],
-        "meshes": [{ "primitives": [
-            { "attributes": { "POSITION": 0 }, "mode": 1 },
-            { "attributes": { "POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2, "TEXCOORD_1": 2 }, "indices": 3, "material": 0, "extras": "kept" },
-            { "attributes": { "POSITION": 0 }, "indices": 3 },
-        ] }],
-        "materials": [{
-            "pbrMetallicRoughness": {
-                "baseColorTexture": { "index": 0, "texCoord": 1, "extensions": moved },
-                "metallicRoughnessTexture": { "index": 0, "texCoord": 1, "extensions": moved },
-            },
-            "emissiveTexture": { "index": 0 },
-        }],
-        "textures": [{ "source": 0 }],
-        "images": [{ "bufferView": 2, "mimeType": "image/png" }],
-        "accessors": [position, accessor(12, "VEC3"), accessor(24, "VEC2"),
-            { "bufferView": 1, "componentType": 5121, "count": 6, "type": "SCALAR" }],
-        "bufferViews": [
-            { "buffer": 0, "byteLength": 128, "byteStride": 32, "target": 34962 },
-            { "buffer": 0, "byteOffset": 128, "byteLength": 6, "target": 34963 },
-            { "buffer": 0, "byteOffset": 136, "byteLength": length },
-        ],
-        "buffers": [{ "byteLength": bin.len(), "name": "all" }],
-    });
-    Document { json, bin }
 }
 
 /// The document, imported, with transfer.
@@ -399,7 +325,15 @@ fn what_a_glb_cannot_say_is_refused_before_the_bake() {
     };
     let sheared = glam::DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 1.0]);
     let sheared = glam::DAffine3::from_mat3(sheared);
-    let cases: [(&dyn Fn(&mut Scene), &str); 6] = [
+    let cases: [(&dyn Fn(&mut Scene), &str); 8] = [
+        (
+            &|s| s.instances[1].mesh = 2,
+            "instance 1 names a mesh, material or vertex",
+        ),
+        (
+            &|s| s.meshes[0].groups[1].triangles[0][2] = 17,
+            "instance 1 names a mesh, material or",
+        ),
         (
             &|s| s.instances[1].world_from_object = sheared,
             "instance \"1\" is sheared",
@@ -477,11 +411,13 @@ fn a_description_counts_and_warns() {
         "{text}"
     );
     assert!(
-        text.contains("ignores that material \"brass\" is metallic"),
+        text.contains("ignores metalness: material \"brass\""),
         "{text}"
     );
 }
 
 mod damage;
+mod docs;
+mod document;
 #[cfg(feature = "import")]
 mod real;
