@@ -1,8 +1,8 @@
-"""Runs every ```python fence of the documentation, each alone, in a folder with the files it may read:
+"""Runs every ```python fence of the documentation: a complete script, alone, with `out.glb` as its argument, in a folder with
 
     scene.obj  out.glb  transfer.npz  light.json  radiance.npz
 
-as `bake`, `export`, `light` and `shade` write them. A fence fails by raising; what it writes stays in the folder of its own.
+as `bake`, `export`, `light` and `shade` write them. A fence fails by raising; what it writes stays in a folder of its own.
 """
 
 import os
@@ -46,7 +46,7 @@ class Fences(unittest.TestCase):
             shutil.copytree(self.files, folder)
             path = os.pathsep.join([str(Path(program.PROGRAM).resolve().parent), os.environ.get("PATH", "")])
             done = subprocess.run(
-                [sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, env={**os.environ, "PATH": path}
+                [sys.executable, "-c", code, "out.glb"], cwd=folder, capture_output=True, text=True, env={**os.environ, "PATH": path}
             )
             self.assertEqual(done.returncode, 0, f"{code}\n{done.stdout}{done.stderr}")
 

@@ -12,6 +12,8 @@ mod need;
 mod options;
 mod process;
 mod python;
+#[cfg(test)]
+mod references;
 mod step;
 mod tally;
 mod test;

@@ -68,6 +68,15 @@ impl Environment {
         vec![make, fill]
     }
 
+    /// `PATH` with its programs first, once it is ready.
+    pub fn path(&self, context: &Context) -> Option<std::ffi::OsString> {
+        let programs = self.interpreter(context).parent()?.to_owned();
+        let path = std::env::var_os("PATH").unwrap_or_default();
+        let folders = std::iter::once(programs).chain(std::env::split_paths(&path));
+        self.is_ready(context)
+            .then(|| std::env::join_paths(folders).ok())?
+    }
+
     fn interpreter(&self, context: &Context) -> PathBuf {
         let inside = if cfg!(windows) {
             "Scripts/python.exe"

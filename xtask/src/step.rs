@@ -33,11 +33,15 @@ pub fn run_all(context: &Context, steps: &[Step], options: &Options) -> Result<E
         wanted.for_each(|step| describe(context, step.name, step.what, step.needs));
         return Ok(ExitCode::SUCCESS);
     }
+    // Everything is installed first: a step may use what another one needs.
+    let ready: Vec<(&Step, Result<(), Missing>)> = wanted
+        .map(|step| (step, provide(context, step.needs, options.setup)))
+        .collect();
     let mut total = Tally::default();
-    for step in wanted {
+    for (step, ready) in ready {
         let start = Instant::now();
         header(step.name, step.what);
-        let tally = run(context, step, options.setup);
+        let tally = run(context, step, ready);
         println!(
             "{}: {tally} ({:.1} s)",
             step.name,
@@ -49,8 +53,8 @@ pub fn run_all(context: &Context, steps: &[Step], options: &Options) -> Result<E
     Ok(ExitCode::from(u8::from(!total.failed.is_empty())))
 }
 
-fn run(context: &Context, step: &Step, setup: bool) -> Tally {
-    match provide(context, step.needs, setup) {
+fn run(context: &Context, step: &Step, ready: Result<(), Missing>) -> Tally {
+    match ready {
         Ok(()) => (),
         Err(Missing::Skip(why)) => {
             println!("skipped: {}: {why}", step.name);

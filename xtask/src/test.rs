@@ -140,6 +140,10 @@ fn tests(context: &Context) -> Result<Tally, String> {
         .env("RELUME_ASSETS", &assets)
         // Failing cases are printed; nothing is written beside the sources.
         .env("PROPTEST_DISABLE_FAILURE_PERSISTENCE", "1");
+    // Tests that look for a python3 with numpy find ours.
+    if let Some(path) = python::TESTS.path(context) {
+        cargo.env("PATH", path);
+    }
     let status = process::stream(&mut cargo, |line| libtest.line(line))?;
     Ok(libtest.finish(status.success()))
 }

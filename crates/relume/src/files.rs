@@ -3,6 +3,15 @@
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
+use std::sync::{PoisonError, RwLock};
+
+/// Held for reading while a file is being written.
+static WRITING: RwLock<()> = RwLock::new(());
+
+/// Waits until every file being written is whole, and lets no new one begin: for a program about to exit.
+pub fn wait_for_writes() {
+    std::mem::forget(WRITING.write().unwrap_or_else(PoisonError::into_inner));
+}
 
 /// Writes `path` through a temporary file in the same folder that is renamed when `write` has succeeded.
 ///
@@ -11,6 +20,7 @@ pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 ) -> io::Result<()> {
+    let _guard = WRITING.read().unwrap_or_else(PoisonError::into_inner);
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),

@@ -33,9 +33,9 @@ pub enum AssetError {
         /// What is wrong.
         what: String,
     },
-    //SCENE The scene in the file could not be read.
-    //SCENE #[error(transparent)]
-    //SCENE Scene(#[from] crate::scene::SceneError),
+    /// The scene in the file could not be read.
+    #[error(transparent)]
+    Scene(#[from] crate::scene::SceneError),
     /// A `.glb` counts its bytes in 32 bits.
     #[error(
         "the asset takes {0} bytes, but a .glb ends at 4294967295; lower --order, or bake with --bounces 0 for one channel"

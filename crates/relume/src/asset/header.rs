@@ -37,6 +37,8 @@ pub struct Header {
     bounces: u32,
     samples: u32,
     seed: Value,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    albedo: Option<[f32; 3]>,
     #[serde(default, skip_serializing_if = "String::is_empty")]
     source: String,
 }
@@ -63,9 +65,6 @@ pub struct Primitive {
     /// Transfer of back sides.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub back: Option<Back>,
-    /// Linear albedo of a primitive without a material, where it is not glTF's default of 1.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub albedo: Option<[f32; 3]>,
 }
 
 /// Transfer of the back sides of some vertices.
@@ -87,28 +86,45 @@ pub struct Meaning {
     pub kind: TransferKind,
     pub samples: u32,
     pub seed: u64,
+    /// Linear albedo of everything, in place of base colours, textures and vertex colours.
+    pub albedo: Option<[f32; 3]>,
     /// SHA-256 of the source in hex; empty when unknown.
     pub source_hash: String,
 }
 
+impl Meaning {
+    /// What `transfer` means.
+    pub fn of(transfer: &Transfer, source_hash: &str, albedo: Option<[f32; 3]>) -> Self {
+        Self {
+            order: transfer.order,
+            channels: transfer.channels,
+            kind: transfer.kind,
+            samples: transfer.samples,
+            seed: transfer.seed,
+            albedo,
+            source_hash: source_hash.to_owned(),
+        }
+    }
+}
+
 /// The extension's JSON.
-pub fn to_json(transfer: &Transfer, source_hash: &str, primitives: &[Primitive]) -> Value {
-    let (kind, bounces) = kind(transfer.kind);
-    let source = match source_hash {
-        "" => String::new(),
-        hash => format!("sha256:{hash}"),
-    };
+pub fn to_json(meaning: &Meaning, primitives: &[Primitive]) -> Value {
+    let (kind, bounces) = kind(meaning.kind);
     let header = Header {
-        order: transfer.order.get(),
-        channels: transfer.channels,
+        order: meaning.order.get(),
+        channels: meaning.channels,
         kind: kind.to_owned(),
         bounces,
-        samples: transfer.samples,
-        seed: match transfer.seed {
+        samples: meaning.samples,
+        seed: match meaning.seed {
             exact @ ..=EXACT => exact.into(),
             large => large.to_string().into(),
         },
-        source,
+        albedo: meaning.albedo,
+        source: match meaning.source_hash.as_str() {
+            "" => String::new(),
+            hash => format!("sha256:{hash}"),
+        },
     };
     let mut json = serde_json::Map::new();
     json.insert("version".to_owned(), VERSION.into());
@@ -189,12 +205,17 @@ impl Header {
             Some(hash) if hash.len() == 64 && hash.bytes().all(is_hex) => hash,
             _ => return Err("has a source that is no sha256".to_owned()),
         };
+        let inside = |albedo: [f32; 3]| albedo.iter().all(|a| (0.0..=1.0).contains(a));
+        if !self.albedo.is_none_or(inside) {
+            return Err("has an albedo outside 0…1".to_owned());
+        }
         Ok(Meaning {
             order,
             channels: self.channels,
             kind,
             samples: self.samples,
             seed: seed.ok_or_else(|| format!("has seed {}", shown(&self.seed)))?,
+            albedo: self.albedo,
             source_hash: hash.to_owned(),
         })
     }
@@ -213,16 +234,15 @@ fn shown(value: &impl ToString) -> String {
 mod tests {
     use super::*;
 
-    fn transfer() -> Transfer {
-        Transfer {
+    fn meaning() -> Meaning {
+        Meaning {
             order: Order::new(5).unwrap(),
             channels: 3,
             kind: TransferKind::Shadowed { bounces: 2 },
             samples: 1024,
             seed: u64::MAX,
-            coefficients: Vec::new(),
-            valid: Vec::new(),
-            back: None,
+            albedo: None,
+            source_hash: String::new(),
         }
     }
 
@@ -236,7 +256,6 @@ mod tests {
                 vertices: 4,
                 transfer: 5,
             }),
-            albedo: Some([0.5, 0.25, 0.1]),
             ..Primitive::default()
         };
         let second = Primitive {
@@ -250,19 +269,15 @@ mod tests {
     fn a_header_comes_back_as_it_went() {
         let hash = "0123456789abcdef".repeat(4);
         for seed in [0, 1 << 53, (1 << 53) + 1, u64::MAX] {
-            let transfer = Transfer { seed, ..transfer() };
-            let text = to_json(&transfer, &hash, &primitives()).to_string();
-            let (meaning, read) = from_json(&serde_json::from_str(&text).unwrap()).unwrap();
-            assert_eq!(read, primitives());
-            let expected = Meaning {
-                order: transfer.order,
-                channels: 3,
-                kind: transfer.kind,
-                samples: 1024,
+            let written = Meaning {
                 seed,
+                albedo: Some([0.5, 0.25, 0.1]),
                 source_hash: hash.clone(),
+                ..meaning()
             };
-            assert_eq!(meaning, expected);
+            let text = to_json(&written, &primitives()).to_string();
+            let read = from_json(&serde_json::from_str(&text).unwrap()).unwrap();
+            assert_eq!(read, (written, primitives()));
         }
     }
 
@@ -281,7 +296,7 @@ mod tests {
             ("samples", "many"),
         ];
         for (key, value) in changes {
-            let mut json = to_json(&transfer(), "", &[]);
+            let mut json = to_json(&meaning(), &[]);
             json[key] = value.into();
             let Err(HeaderError::Wrong(what)) = from_json(&json) else {
                 panic!("{key} {value} was accepted");
@@ -294,7 +309,7 @@ mod tests {
             ("channels", 2),
             ("channels", 4),
         ] {
-            let mut json = to_json(&transfer(), "", &[]);
+            let mut json = to_json(&meaning(), &[]);
             json[key] = value.into();
             assert!(matches!(from_json(&json), Err(HeaderError::Wrong(_))));
         }
@@ -302,7 +317,7 @@ mod tests {
 
     #[test]
     fn a_version_to_come_is_told_apart() {
-        let mut json = to_json(&transfer(), "", &[]);
+        let mut json = to_json(&meaning(), &[]);
         json["version"] = 2.into();
         assert!(matches!(from_json(&json), Err(HeaderError::Newer(2))));
         json["version"] = "1".into();

@@ -15,16 +15,14 @@ struct Recipe {
     /// The meshes of the primitives, which have equal vertices.
     meshes: Vec<usize>,
     input_vertices: usize,
-    /// Bits of the albedo, where there is one.
-    albedo: Option<[u32; 3]>,
 }
 
-/// Merges primitives that share their vertices, and sets input vertices and albedos. `entries` has one item per instance, and the
+/// Merges primitives that share their vertices, and sets input vertices. `entries` has one item per instance, and the
 /// counts in them have been checked.
 pub fn apply(scene: &mut Scene, entries: &[Primitive]) -> Result<(), AssetError> {
     let as_it_is = |(instance, entry): (&Instance, &Primitive)| {
         let inputs = scene.meshes[instance.mesh].input_vertices;
-        entry.same_as.is_none() && entry.albedo.is_none() && entry.input_vertices == Some(inputs)
+        entry.same_as.is_none() && entry.input_vertices == Some(inputs)
     };
     if scene.instances.iter().zip(entries).all(as_it_is) {
         return Ok(());
@@ -38,12 +36,11 @@ pub fn apply(scene: &mut Scene, entries: &[Primitive]) -> Result<(), AssetError>
         let recipe = Recipe {
             meshes: instances[at..end].iter().map(|i| i.mesh).collect(),
             input_vertices: entries[at].input_vertices.unwrap_or(0),
-            albedo: entries[at].albedo.map(|albedo| albedo.map(f32::to_bits)),
         };
         let mesh = match made.get(&recipe) {
             Some(&mesh) => mesh,
             None => {
-                let mesh = make(scene, &old, &recipe, &instances[at])?;
+                let mesh = make(&old, &recipe, &instances[at])?;
                 scene.meshes.push(mesh);
                 scene.meshes.len() - 1
             }
@@ -72,32 +69,29 @@ fn run(instances: &[Instance], entries: &[Primitive]) -> Result<usize, AssetErro
     Ok(1 + shared.count())
 }
 
-fn make(
-    scene: &mut Scene,
-    old: &[Mesh],
-    recipe: &Recipe,
-    instance: &Instance,
-) -> Result<Mesh, AssetError> {
+fn make(old: &[Mesh], recipe: &Recipe, instance: &Instance) -> Result<Mesh, AssetError> {
     let mut mesh = old[recipe.meshes[0]].clone();
     mesh.input_vertices = recipe.input_vertices;
     for &other in &recipe.meshes[1..] {
         let other = &old[other];
         let equal = mesh.positions == other.positions
             && mesh.normals == other.normals
-            && mesh.uvs == other.uvs
+            && (mesh.uvs == other.uvs || mesh.uvs.is_empty() || other.uvs.is_empty())
             && mesh.colors == other.colors
             && mesh.alphas == other.alphas;
         if !equal {
             return Err(wrong(instance.node, "calls vertices the same that differ"));
         }
+        // Imported are only the coordinates of a base colour texture: not every material need have one.
+        if mesh.uvs.is_empty() {
+            mesh.uvs.clone_from(&other.uvs);
+        }
         mesh.groups.extend(other.groups.iter().cloned());
     }
-    if let (Some(bits), Some(group)) = (recipe.albedo, mesh.groups.first_mut()) {
-        let [r, g, b] = bits.map(f32::from_bits);
-        let mut material = scene.materials[group.material].clone();
-        material.base_color = [r, g, b, material.base_color[3]];
-        group.material = scene.materials.len();
-        scene.materials.push(material);
+    if recipe.meshes.len() > 1 {
+        // The importer counts the primitives of a mesh in their names.
+        let count = format!(", primitive {}", instance.primitive);
+        mesh.name = mesh.name.trim_end_matches(&count).to_owned();
     }
     Ok(mesh)
 }

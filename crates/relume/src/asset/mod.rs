@@ -34,3 +34,6 @@ pub struct Asset {
     /// One transfer vector per vertex of [`crate::scene::World`], in its order.
     pub transfer: Transfer,
 }
+
+#[cfg(test)]
+mod tests;

@@ -28,7 +28,7 @@ pub fn from_glb(bytes: &[u8]) -> Result<Asset, AssetError> {
     if !nodes(&json).any(|node| extension(node).is_some()) {
         return Err(AssetError::NoTransfer);
     }
-    todo!() //assemble(&json, bin, crate::scene::gltf::from_glb(bytes)?)
+    assemble(&json, bin, crate::scene::gltf::from_glb(bytes)?)
 }
 
 fn nodes(json: &Value) -> impl Iterator<Item = &Value> {
@@ -61,6 +61,9 @@ pub fn assemble(json: &Value, bin: &[u8], mut scene: Scene) -> Result<Asset, Ass
     if let Some(document) = &mut scene.document {
         let length = strip::strip(&mut document.json, document.bin.len());
         document.bin.truncate(length);
+    }
+    if let Some(albedo) = meaning.albedo {
+        crate::scene::override_albedo(&mut scene, albedo)?;
     }
     scene.source_hash = meaning.source_hash;
     Ok(Asset { scene, transfer })
@@ -177,12 +180,6 @@ impl<'a> Gathered<'a> {
         }
         if entry.input_vertices.is_none_or(|inputs| inputs > vertices) {
             return Err(fail("has a wrong inputVertices".to_owned()));
-        }
-        if entry
-            .albedo
-            .is_some_and(|a| !a.iter().all(|c| (0.0..f32::INFINITY).contains(c)))
-        {
-            return Err(fail("has an albedo that is none".to_owned()));
         }
         let stride = self.transfer.stride();
         let first = self.transfer.vertex_count();

@@ -123,9 +123,8 @@ pub fn scene() -> Scene {
             ),
             place(1, DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0))),
         ],
-        document: None,
         source_hash: "00ff".repeat(16),
-        warnings: Vec::new(),
+        ..Scene::default()
     }
 }
 

@@ -117,13 +117,23 @@ fn copy_material(
 ) -> Result<usize, AssetError> {
     let old = builder.array("materials")?.get(index).cloned();
     let old = old.ok_or_else(|| malformed("a primitive names no material"))?;
-    let base = Lookup::of(&old["pbrMetallicRoughness"]["baseColorTexture"]);
+    let base = Lookup::of(base_color_texture(&old));
     let mut new = old.clone();
     retarget(&mut new, has_uvs.then_some(&base));
     if new == old {
         return Ok(index);
     }
     builder.add("materials", new)
+}
+
+/// The base colour texture of a material; that of the older specular-glossiness model where there is no other.
+fn base_color_texture(material: &Value) -> &Value {
+    match &material["pbrMetallicRoughness"] {
+        Value::Null => {
+            &material["extensions"]["KHR_materials_pbrSpecularGlossiness"]["diffuseTexture"]
+        }
+        pbr => &pbr["baseColorTexture"],
+    }
 }
 
 /// Where a texture is looked up: the set of coordinates, and offset, rotation and scale.

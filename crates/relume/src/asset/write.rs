@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::builder::{Builder, array, malformed, object};
 use super::container::{Container, Part};
-use super::header::{self, Back, Primitive};
+use super::header::{self, Back, Meaning, Primitive};
 use super::{Asset, AssetError, Transfer, fresh, tessellated};
 use crate::basis::Order;
 use crate::files::write_atomically;
@@ -89,6 +89,23 @@ fn plan(asset: &Asset) -> Result<Container<'_>, AssetError> {
     check(asset)?;
     let Asset { scene, transfer } = asset;
     let mut builder = scene_alone(scene)?;
+    let meaning = Meaning::of(transfer, &scene.source_hash, scene.albedo_override);
+    for (node, primitives) in entries(&mut builder, asset)? {
+        let json = header::to_json(&meaning, &primitives);
+        let node = object(&mut builder.array("nodes")?[node], "a node")?;
+        let extensions = node.entry("extensions").or_insert_with(|| json!({}));
+        object(extensions, "extensions")?.insert(header::NAME.to_owned(), json);
+    }
+    builder.array("extensionsUsed")?.push(header::NAME.into());
+    builder.finish()
+}
+
+/// What the extension of each node says of its primitives; their arrays are added.
+fn entries<'a>(
+    builder: &mut Builder<'a>,
+    asset: &'a Asset,
+) -> Result<BTreeMap<usize, Vec<Primitive>>, AssetError> {
+    let Asset { scene, transfer } = asset;
     let mut nodes: BTreeMap<usize, Vec<Primitive>> = BTreeMap::new();
     let mut first = 0;
     for (i, instance) in scene.instances.iter().enumerate() {
@@ -97,42 +114,26 @@ fn plan(asset: &Asset) -> Result<Container<'_>, AssetError> {
             Some(_) => (instance.node, instance.primitive, mesh.groups.len().max(1)),
             None => (i, 0, fresh::groups(mesh).count()),
         };
-        let mut entry = entry(&mut builder, transfer, first..first + mesh.positions.len())?;
-        entry.input_vertices = Some(mesh.input_vertices);
-        let places = primitives(&mut builder, node)?;
+        let places = primitives(builder, node)?.len();
         let entries = nodes.entry(node).or_default();
-        entries.resize_with(places.len(), Primitive::default);
+        entries.resize_with(places, Primitive::default);
         let run = start..start + run;
-        if run.end > places.len()
-            || entries[run.clone()]
-                .iter()
-                .any(|e| *e != Primitive::default())
-        {
+        let free = entries.get(run.clone());
+        if !free.is_some_and(|free| free.iter().all(|e| *e == Primitive::default())) {
             return Err(malformed("two instances stand for the same primitive"));
         }
-        if places[start].get("material").is_none() {
-            let material = mesh
-                .groups
-                .first()
-                .map(|group| &scene.materials[group.material]);
-            let [r, g, b, _] = material.map_or([1.0; 4], |material| material.base_color);
-            entry.albedo = Some([r, g, b]).filter(|&albedo| albedo != [1.0; 3]);
-        }
-        entries[run.clone()].fill(Primitive {
+        let last = first + mesh.positions.len();
+        entries[run].fill(Primitive {
             same_as: Some(start),
             ..Primitive::default()
         });
-        entries[start] = entry;
-        first += mesh.positions.len();
+        entries[start] = Primitive {
+            input_vertices: Some(mesh.input_vertices),
+            ..entry(builder, transfer, first..last)?
+        };
+        first = last;
     }
-    for (node, entries) in nodes {
-        let json = header::to_json(transfer, &scene.source_hash, &entries);
-        let node = object(&mut builder.array("nodes")?[node], "a node")?;
-        let extensions = node.entry("extensions").or_insert_with(|| json!({}));
-        object(extensions, "extensions")?.insert(header::NAME.to_owned(), json);
-    }
-    builder.array("extensionsUsed")?.push(header::NAME.into());
-    builder.finish()
+    Ok(nodes)
 }
 
 /// The primitives of the mesh of a node.

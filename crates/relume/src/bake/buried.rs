@@ -1,5 +1,6 @@
 //! Vertices inside something: found by what their rays meet, and given their neighbours' transfer.
 
+use super::coincident::coincident;
 use crate::scene::World;
 
 /// How buried vertices are filled: in order, each from neighbours that are valid or filled before it.
@@ -79,22 +80,6 @@ fn neighbours_of_invalid(world: &World, valid: &[bool]) -> Vec<(u32, Vec<u32>)> 
     pairs
         .chunk_by(|a, b| a.0 == b.0)
         .map(|run| (run[0].0, run.iter().map(|&(_, b)| b).collect()))
-        .collect()
-}
-
-/// Groups of two and more vertices at exactly the same place.
-fn coincident(world: &World) -> Vec<Vec<u32>> {
-    let key = |&i: &u32| {
-        world.positions[i as usize]
-            .to_array()
-            .map(|x| (x + 0.0).to_bits())
-    };
-    let mut order: Vec<u32> = (0..world.positions.len() as u32).collect();
-    order.sort_by_key(key);
-    order
-        .chunk_by(|a, b| key(a) == key(b))
-        .filter(|run| run.len() > 1)
-        .map(<[u32]>::to_vec)
         .collect()
 }
 

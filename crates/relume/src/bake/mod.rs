@@ -9,6 +9,7 @@
 //! threads gives the same bytes.
 
 mod buried;
+mod coincident;
 mod gather;
 mod options;
 mod receiver;
@@ -18,3 +19,6 @@ pub mod trace;
 
 pub use options::{BakeError, BakeOptions, Monitor, Need, Progress};
 pub use run::bake;
+
+#[cfg(test)]
+mod tests;

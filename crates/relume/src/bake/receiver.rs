@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::coincident::coincident;
 use super::sampling::vertex_seed;
 use crate::scene::World;
 
@@ -13,8 +14,8 @@ pub struct Receivers<'w> {
     pub front: Vec<u32>,
     /// Receiver behind each vertex, or [`NO_BACK`].
     pub behind: Vec<u32>,
-    /// How far off its surface each vertex starts its rays.
-    offsets: Vec<f32>,
+    /// From each vertex to where the rays of its front start.
+    lifts: Vec<Vec3>,
 }
 
 /// In [`Receivers::behind`]: this vertex has one side.
@@ -65,7 +66,7 @@ impl<'w> Receivers<'w> {
             places,
             front,
             behind,
-            offsets: offsets(world),
+            lifts: lifts(world),
         }
     }
 
@@ -75,10 +76,12 @@ impl<'w> Receivers<'w> {
 
     pub fn get(&self, receiver: usize, seed: u64) -> Receiver {
         let Place { vertex, back } = self.places[receiver];
+        let side = if back { -1.0 } else { 1.0 };
         let position = self.world.positions[vertex as usize];
-        let normal = self.world.normals[vertex as usize] * if back { -1.0 } else { 1.0 };
+        let normal = self.world.normals[vertex as usize] * side;
+        let origin = position + self.lifts[vertex as usize] * side;
         Receiver {
-            origin: position + normal * self.offsets[vertex as usize],
+            origin,
             normal,
             seed: vertex_seed(position, normal, seed),
         }
@@ -117,8 +120,34 @@ fn morton3(cell: [u32; 3]) -> u32 {
     spread(cell[0]) | spread(cell[1]) << 1 | spread(cell[2]) << 2
 }
 
+/// Off the surface along the normal. In a corner, where vertices of other walls lie at the same place, off those walls too: otherwise half
+/// of the rays would start in the plane of a wall and pass outside it.
+fn lifts(world: &World) -> Vec<Vec3> {
+    let mut heights = heights(world);
+    let mut directions = world.normals.clone();
+    for group in coincident(world) {
+        let lowest = group
+            .iter()
+            .map(|&i| heights[i as usize])
+            .fold(f32::INFINITY, f32::min);
+        for &vertex in &group {
+            let own = world.normals[vertex as usize];
+            // The other side of a thin sheet is no wall of this corner.
+            let walls = group
+                .iter()
+                .map(|&i| world.normals[i as usize])
+                .filter(|n| n.dot(own) > -0.9);
+            let outward = walls.sum::<Vec3>().normalize_or(own);
+            directions[vertex as usize] = if outward.dot(own) > 0.1 { outward } else { own };
+            heights[vertex as usize] = lowest;
+        }
+    }
+    let lift = |i: usize| directions[i] * (heights[i] / directions[i].dot(world.normals[i]));
+    (0..world.normals.len()).map(lift).collect()
+}
+
 /// A thousandth of the shortest edge at each vertex, but at least what rounding at its coordinates asks for.
-fn offsets(world: &World) -> Vec<f32> {
+fn heights(world: &World) -> Vec<f32> {
     let mut shortest = vec![f32::INFINITY; world.positions.len()];
     for &[a, b, c] in &world.triangles {
         for (p, q) in [(a, b), (b, c), (c, a)].map(|(p, q)| (p as usize, q as usize)) {

@@ -9,7 +9,7 @@ mod tone;
 mod write;
 
 pub use camera::{Camera, CameraError, PixelRays};
-pub use picture::{Picture, strip};
+pub use picture::{Picture, stack, strip};
 #[cfg(feature = "bake")]
 pub use raycast::{RaycastOptions, VertexRadiance, render};
 pub use tone::ToneMap;

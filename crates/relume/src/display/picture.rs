@@ -46,6 +46,24 @@ pub fn strip(pictures: &[Picture], gap: u32, gap_color: [f32; 3]) -> Picture {
     whole
 }
 
+/// Pictures of one width below one another, `gap` rows of `gap_color` between neighbours.
+pub fn stack(pictures: &[Picture], gap: u32, gap_color: [f32; 3]) -> Picture {
+    let width = pictures.first().map_or(0, |p| p.width);
+    assert!(
+        pictures.iter().all(|p| p.width == width),
+        "pictures of one width"
+    );
+    let between = vec![gap_color; (gap * width) as usize];
+    let rows: Vec<&[[f32; 3]]> = pictures.iter().map(|p| &p.pixels[..]).collect();
+    let gaps = gap * (pictures.len() as u32).saturating_sub(1);
+    let height = pictures.iter().map(|p| p.height).sum::<u32>() + gaps;
+    Picture {
+        width,
+        height,
+        pixels: rows.join(&between[..]),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -59,5 +77,20 @@ mod tests {
         let (r, g, b) = ([1.0, 0.0, 0.0], [0.5; 3], [0.0, 0.0, 1.0]);
         assert_eq!(whole.pixels, [r, r, g, b, g, g, g, b]);
         assert_eq!(strip(&[], 3, [0.0; 3]).pixels.len(), 0);
+    }
+
+    #[test]
+    fn a_stack_has_the_gap_between_rows() {
+        let [red, blue] = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+        let whole = stack(
+            &[Picture::filled(2, 1, red), Picture::filled(2, 2, blue)],
+            1,
+            [0.5; 3],
+        );
+        assert_eq!((whole.width, whole.height), (2, 4));
+        assert_eq!(
+            whole.pixels,
+            [red, red, [0.5; 3], [0.5; 3], blue, blue, blue, blue]
+        );
     }
 }

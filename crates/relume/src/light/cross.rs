@@ -146,20 +146,23 @@ impl Cross {
         Some(cell.direction(2.0 * a - 1.0, 2.0 * b - 1.0).normalize())
     }
 
+    /// The square that shows a direction, and where on it: −1…1, to the right and down.
+    pub(super) fn meeting(&self, d: DVec3) -> (Cell, f64, f64) {
+        let (face, s, t) = Face::meeting(d);
+        let cell = self
+            .cells()
+            .find(|cell| cell.face == face)
+            .expect("every face lies in every cross");
+        let (a, b) = if cell.turned { (-s, t) } else { (s, -t) };
+        (cell, a, b)
+    }
+
     /// The place (u, v) that shows a direction.
     pub(super) fn place(&self, d: DVec3) -> (f64, f64) {
-        let (met, s, t) = Face::meeting(d);
-        let (column, row, turned) = self
-            .cells
-            .iter()
-            .find(|cell| cell.0 == met)
-            .map_or((0, 0, false), |&(_, column, row, turned)| {
-                (column, row, turned)
-            });
-        let (a, b) = if turned { (-s, t) } else { (s, -t) };
+        let (cell, a, b) = self.meeting(d);
         (
-            (column as f64 + 0.5 * (a + 1.0)) / self.columns as f64,
-            (row as f64 + 0.5 * (b + 1.0)) / self.rows as f64,
+            (cell.column as f64 + 0.5 * (a + 1.0)) / self.columns as f64,
+            (cell.row as f64 + 0.5 * (b + 1.0)) / self.rows as f64,
         )
     }
 }

@@ -5,18 +5,22 @@ use std::fmt::Write;
 use serde_json::{Map, Value};
 use thiserror::Error;
 
-use crate::basis::{Convention, Order};
+use crate::basis::{Convention, Order, WindowError};
 use crate::files::printable;
 
 use super::incident::ShLight;
+use super::window::WindowChoice;
+
+/// The longest text that is read; order 32 takes a hundredth of it.
+const MAX_BYTES: usize = 1 << 23;
 
 /// A light and what its file says of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightFile {
     /// The coefficients, in our convention.
     pub light: ShLight,
-    /// The window that was applied to them, `none` if none was.
-    pub window: String,
+    /// Cutoff of the Hann window that was applied to them, if any was. In the file: `"window": "none"` or `"hann:CUTOFF"`.
+    pub window: Option<f64>,
 }
 
 /// A light.json that cannot be used.
@@ -26,6 +30,9 @@ pub enum LightJsonError {
     /// Not JSON at all.
     #[error("not valid JSON (which knows no NaN or Infinity): {0}")]
     Syntax(String),
+    /// Longer than any light.
+    #[error("{0} bytes of JSON are no light; the highest order takes less than 100 kB")]
+    TooLong(usize),
     /// A field of the header is missing.
     #[error("\"{field}\" is missing; it must be {accepted}")]
     Missing {
@@ -65,9 +72,23 @@ pub enum LightJsonError {
 }
 
 impl LightFile {
+    /// `light` with a window applied.
+    pub fn windowed(light: &ShLight, window: WindowChoice) -> Result<Self, WindowError> {
+        let window = window.window(light.order());
+        let windowed = window.apply(light.coefficients())?;
+        Ok(Self {
+            light: ShLight::new(light.order(), windowed.coefficients),
+            window: windowed.cutoff,
+        })
+    }
+
     /// The text of the file. Numbers read back to the same f32, and the text is the same on every machine.
     pub fn to_json(&self) -> String {
         let text = |value: &str| Value::from(value).to_string();
+        let window = match self.window {
+            Some(cutoff) => format!("hann:{cutoff:?}"),
+            None => "none".to_owned(),
+        };
         let mut out = String::from("{\n");
         let header = [
             ("basis", text("sh")),
@@ -75,7 +96,7 @@ impl LightFile {
             ("convention", text(&Convention::RealNoCs.to_string())),
             ("quantity", text("radiance")),
             ("colour", text("linear-rec709")),
-            ("window", text(&self.window)),
+            ("window", text(&window)),
         ];
         for (field, value) in header {
             let _ = writeln!(out, "  \"{field}\": {value},");
@@ -98,6 +119,9 @@ impl LightFile {
 
     /// Reads the text of a light.json, in any convention that is known. Fields it does not know are passed over.
     pub fn from_json(text: &[u8]) -> Result<Self, LightJsonError> {
+        if text.len() > MAX_BYTES {
+            return Err(LightJsonError::TooLong(text.len()));
+        }
         let value: Value = serde_json::from_slice(text)
             .map_err(|error| LightJsonError::Syntax(printable(&error.to_string())))?;
         let Value::Object(file) = value else {
@@ -108,10 +132,7 @@ impl LightFile {
         one_of(&file, "colour", "linear-rec709")?;
         let convention = convention(&file)?;
         let order = order(&file)?;
-        let window = match file.get("window") {
-            None => "none".to_owned(),
-            Some(_) => string(&file, "window", "the name of a window")?.to_owned(),
-        };
+        let window = window(&file, order)?;
         let coefficients = coefficients(&file)?;
         if coefficients.len() != order.count() {
             return Err(LightJsonError::Count {
@@ -141,6 +162,28 @@ fn order(file: &Map<String, Value>) -> Result<Order, LightJsonError> {
             found: shown(value),
             accepted: accepted(),
         })
+}
+
+/// The cutoff; `hann` alone has the order as its cutoff. A file that names no window has none.
+fn window(file: &Map<String, Value>, order: Order) -> Result<Option<f64>, LightJsonError> {
+    let Some(value) = file.get("window") else {
+        return Ok(None);
+    };
+    let cutoff = |text: &str| {
+        let cutoff = text.strip_prefix("hann:")?.parse::<f64>().ok()?;
+        (cutoff > 0.0 && cutoff.is_finite()).then_some(Some(cutoff))
+    };
+    let window = match value.as_str() {
+        Some("none") => Some(None),
+        Some("hann") => Some(Some(order.get() as f64)),
+        Some(text) => cutoff(text),
+        None => None,
+    };
+    window.ok_or_else(|| LightJsonError::Field {
+        field: "window",
+        found: shown(value),
+        accepted: "\"none\" or \"hann:CUTOFF\"".to_owned(),
+    })
 }
 
 fn convention(file: &Map<String, Value>) -> Result<Convention, LightJsonError> {

@@ -98,8 +98,8 @@ impl Layout {
         .into_iter()
         .find(|&(across, down, _)| {
             width > 0
-                && width % across == 0
-                && height % down == 0
+                && width.is_multiple_of(across)
+                && height.is_multiple_of(down)
                 && width / across == height / down
         })
         .map(|(_, _, layout)| layout)

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::hdr_image::HdrImage;
-use super::layout::{Layout, LayoutChoice, LayoutError, angular};
+use super::layout::{Layout, LayoutChoice, LayoutError};
 use super::{cross, texel};
 
 /// A radiance image and its layout.
@@ -69,80 +69,94 @@ impl EnvMap {
 
     /// Radiance from a unit direction, interpolated bilinearly, across the edges of cube faces, too.
     pub fn radiance(&self, direction: DVec3) -> [f32; 3] {
-        let (u, v) = self.layout.place(direction);
-        let x = u * self.image.width() as f64 - 0.5;
-        let y = v * self.image.height() as f64 - 0.5;
-        if !(x.is_finite() && y.is_finite()) {
-            return [0.0; 3];
-        }
-        let (left, top) = (x.floor(), y.floor());
-        let (right, bottom) = ((x - left) as f32, (y - top) as f32);
-        let (left, top) = (left as i64, top as i64);
-        let mut sum = [0.0; 3];
-        for (dy, wy) in [(0, 1.0 - bottom), (1, bottom)] {
-            for (dx, wx) in [(0, 1.0 - right), (1, right)] {
-                let texel = self.texel_beside(u, v, left + dx, top + dy);
-                for (sum, value) in sum.iter_mut().zip(texel) {
-                    *sum += wx * wy * value;
-                }
-            }
-        }
-        sum
-    }
-
-    /// The texel at (x, y), which may lie just outside the part of the picture around (u, v): then the one in that direction.
-    fn texel_beside(&self, u: f64, v: f64, x: i64, y: i64) -> [f32; 3] {
-        let (width, height) = (self.image.width() as i64, self.image.height() as i64);
+        let (width, height) = (self.image.width() as f64, self.image.height() as f64);
         if let Some(cross) = self.layout.cross() {
             let side = cross.side(self.image.width());
-            let square = |place: f64, size: i64| {
-                ((place * size as f64).max(0.0) as usize).min(size as usize - 1) / side
-            };
-            let (column, row) = (square(u, width), square(v, height));
-            let (i, j) = (x - (column * side) as i64, y - (row * side) as i64);
-            let inside = 0..side as i64;
-            if inside.contains(&i) && inside.contains(&j) {
-                return self.image.pixel(x as usize, y as usize);
-            }
-            let middle = |i: i64| (2 * i + 1) as f64 / side as f64 - 1.0;
-            return match cross.cell(column, row) {
-                Some(cell) => self.nearest(cell.direction(middle(i), middle(j))),
-                None => [0.0; 3],
-            };
+            let (cell, a, b) = cross.meeting(direction);
+            let [x, y] = [a, b].map(|place| 0.5 * (place + 1.0) * side as f64);
+            return bilinear(x, y, |i, j| self.face_texel(cross, &cell, i, j));
         }
+        let (u, v) = self.layout.place(direction);
+        let (x, y) = (u * width, v * height);
         match self.layout {
-            Layout::Angular => {
-                let middle = |i: i64, size: i64| (2 * i + 1) as f64 / size as f64 - 1.0;
-                let (a, b) = (middle(x, width), middle(y, height));
-                let r = (a * a + b * b).sqrt();
-                if r <= 1.0 {
-                    return self.image.pixel(x as usize, y as usize);
-                }
-                // Past the rim the map runs on from the other side. Stay clear of texels that are mostly outside the disc.
-                let inner = (2.0 - r).min(1.0 - 2.0 / width as f64).max(0.0) / r;
-                self.nearest(angular(-a * inner, -b * inner))
-            }
-            _ => {
-                // Over a pole lies the same row, half a turn away.
-                let (x, y) = match y {
-                    _ if y < 0 => (x + width / 2, 0),
-                    _ if y >= height => (x + width / 2, height - 1),
-                    _ => (x, y),
-                };
-                self.image.pixel(x.rem_euclid(width) as usize, y as usize)
-            }
+            Layout::Angular => bilinear(x, y, |x, y| self.disc_texel(x, y)),
+            _ => bilinear(x, y, |x, y| self.globe_texel(x, y)),
         }
     }
 
-    /// The texel that shows a direction.
-    fn nearest(&self, direction: DVec3) -> [f32; 3] {
-        let (u, v) = self.layout.place(direction);
-        let index = |place: f64, size: usize| {
-            ((place * size as f64).floor().max(0.0) as usize).min(size - 1)
+    /// The texel in column `i` and row `j` of a face; one step beyond an edge, the nearest of the next face.
+    fn face_texel(&self, cross: &cross::Cross, cell: &cross::Cell, i: i64, j: i64) -> [f32; 3] {
+        let side = cross.side(self.image.width());
+        let pixel = |cell: &cross::Cell, i: usize, j: usize| {
+            self.image
+                .pixel(cell.column * side + i, cell.row * side + j)
         };
-        self.image
-            .pixel(index(u, self.image.width()), index(v, self.image.height()))
+        let inside = 0..side as i64;
+        if inside.contains(&i) && inside.contains(&j) {
+            return pixel(cell, i as usize, j as usize);
+        }
+        let middle = |i: i64| (2 * i + 1) as f64 / side as f64 - 1.0;
+        // At a corner three faces meet; step over one edge only.
+        let j = if inside.contains(&i) {
+            j
+        } else {
+            j.clamp(0, side as i64 - 1)
+        };
+        let (next, a, b) = cross.meeting(cell.direction(middle(i), middle(j)));
+        let [i, j] =
+            [a, b].map(|place| ((0.5 * (place + 1.0) * side as f64) as usize).min(side - 1));
+        pixel(&next, i, j)
     }
+
+    /// The texel at (x, y) of an angular map; past the rim, the one that the formula runs on to, on the other side.
+    fn disc_texel(&self, x: i64, y: i64) -> [f32; 3] {
+        let size = self.image.width();
+        let middle = |i: i64| (2 * i + 1) as f64 / size as f64 - 1.0;
+        let (a, b) = (middle(x), middle(y));
+        let r = (a * a + b * b).sqrt();
+        if r <= 1.0 {
+            return self.image.pixel(x as usize, y as usize);
+        }
+        // Stay clear of texels that are mostly outside the disc.
+        let inner = (2.0 - r).min(1.0 - 2.0 / size as f64).max(0.0) / r;
+        let [x, y] = [a, b].map(|place| {
+            let place = 0.5 * (1.0 - place * inner) * size as f64;
+            (place as usize).min(size - 1)
+        });
+        self.image.pixel(x, y)
+    }
+
+    /// The texel at (x, y) of a lat-long map, which goes round; over a pole lies the same row, half a turn away.
+    fn globe_texel(&self, x: i64, y: i64) -> [f32; 3] {
+        let (width, height) = (self.image.width() as i64, self.image.height() as i64);
+        let x = if (0..height).contains(&y) {
+            x
+        } else {
+            x + width / 2
+        };
+        let y = y.clamp(0, height - 1);
+        self.image.pixel(x.rem_euclid(width) as usize, y as usize)
+    }
+}
+
+/// Blends the four texels whose middles are around (x, y); texel (i, j) has its middle at (i + ½, j + ½). Black if (x, y) is no number.
+fn bilinear(x: f64, y: f64, texel: impl Fn(i64, i64) -> [f32; 3]) -> [f32; 3] {
+    let (x, y) = (x - 0.5, y - 0.5);
+    if !(x.is_finite() && y.is_finite()) {
+        return [0.0; 3];
+    }
+    let (left, top) = (x.floor(), y.floor());
+    let (right, bottom) = ((x - left) as f32, (y - top) as f32);
+    let mut sum = [0.0; 3];
+    for (dy, wy) in [(0, 1.0 - bottom), (1, bottom)] {
+        for (dx, wx) in [(0, 1.0 - right), (1, right)] {
+            let value = texel(left as i64 + dx, top as i64 + dy);
+            for (sum, value) in sum.iter_mut().zip(value) {
+                *sum += wx * wy * value;
+            }
+        }
+    }
+    sum
 }
 
 /// The edges of texel `i` of `count` on −1…1.

@@ -47,7 +47,7 @@ fn texels_cover_the_sphere_once() {
         println!("{layout} {width} × {height}: total solid angle off by {error:.1e}, relative");
         // Closed forms to rounding, the angular map by quadrature.
         let bound = if layout == Layout::Angular {
-            1e-9
+            1e-12
         } else {
             1e-14
         };
@@ -78,7 +78,7 @@ fn a_constant_map_is_a_constant() {
         let bound = if layout == Layout::LatLong {
             1e-12
         } else {
-            2e-7
+            1e-8
         };
         assert!(worst < bound, "{layout} {width} × {height}: {worst}");
     }

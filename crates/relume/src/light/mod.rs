@@ -28,6 +28,7 @@ mod spec;
 mod sun;
 mod texel;
 mod turn;
+mod window;
 
 pub use environment::{Environment, Rotated};
 pub use error::{LightError, SpecError};
@@ -41,3 +42,4 @@ pub use sky::{SKY_UNIT, Sky};
 pub use spec::EnvSpec;
 pub use sun::Sun;
 pub use turn::Turn;
+pub use window::WindowChoice;

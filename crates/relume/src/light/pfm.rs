@@ -66,7 +66,7 @@ fn token<'a>(rest: &mut &'a [u8]) -> Result<&'a str, ImageError> {
     let end = bytes
         .iter()
         .take(MAX_TOKEN)
-        .position(|c| c.is_ascii_whitespace())
+        .position(u8::is_ascii_whitespace)
         .ok_or_else(|| broken("the header is cut off"))?;
     *rest = &bytes[end + 1..];
     std::str::from_utf8(&bytes[..end]).map_err(|_| broken("the header is not text"))

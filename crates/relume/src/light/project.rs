@@ -65,14 +65,14 @@ fn by_texels(map: &EnvMap, order: Order) -> Sums {
                     },
                     None => rule.angular(a, b, &mut add),
                 }
-                add_scaled(sums, &basis, radiance);
+                add_scaled(sums, &basis, radiance.map(f64::from));
             }
         }
     })
 }
 
-fn add_scaled(sums: &mut [[f64; 3]], basis: &[f64], radiance: [f32; 3]) {
-    let radiance = radiance.map(f64::from);
+/// Adds `radiance · basis` to the sums.
+pub(super) fn add_scaled(sums: &mut [[f64; 3]], basis: &[f64], radiance: [f64; 3]) {
     for (sum, value) in sums.iter_mut().zip(basis) {
         for (sum, radiance) in sum.iter_mut().zip(radiance) {
             *sum += radiance * value;

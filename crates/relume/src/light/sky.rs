@@ -5,11 +5,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 
 use crate::basis::sh::Evaluator;
-use crate::basis::{Order, gauss_legendre};
+use crate::basis::{Order, Zonal, gauss_legendre};
 
-use super::project::Sums;
+use super::project::{Sums, add_scaled};
 use super::spec::SpecError;
-use super::sun::{Sun, disc};
+use super::sun::Sun;
 
 /// Luminance, in cd/m², of white radiance (1, 1, 1) of a [`Sky`]: brings a clear sky to about 1.
 pub const SKY_UNIT: f64 = 10_000.0;
@@ -159,23 +159,15 @@ impl Sky {
     /// The coefficients: sun and ground in closed form, the sky by quadrature.
     pub(super) fn project(&self, order: Order) -> Sums {
         let mut sums = self.sun.project(order);
+        // The ground is a disc that fills the lower half.
+        let ground = Zonal::disc(order, FRAC_PI_2).toward(DVec3::NEG_Y);
+        add_scaled(&mut sums, &ground, self.ground);
         let evaluator = Evaluator::new(order);
         let mut values = vec![0.0; order.count()];
-        let mut add = |d: DVec3, weight: &dyn Fn(usize) -> f64, radiance: [f64; 3]| {
+        self.for_each_node(|d, weight, radiance| {
             evaluator.eval(d, &mut values);
-            for l in order.degrees() {
-                let weight = weight(l);
-                for i in l * l..(l + 1) * (l + 1) {
-                    for (sum, radiance) in sums[i].iter_mut().zip(radiance) {
-                        *sum += weight * values[i] * radiance;
-                    }
-                }
-            }
-        };
-        // The ground is a disc that fills the lower half.
-        let half = disc(FRAC_PI_2, order);
-        add(DVec3::NEG_Y, &|l| half[l], self.ground);
-        self.for_each_node(|d, weight, radiance| add(d, &|_| weight, radiance));
+            add_scaled(&mut sums, &values, radiance.map(|value| weight * value));
+        });
         sums
     }
 }

@@ -163,9 +163,9 @@ fn disc_of_ground(sky: &Sky, order: Order) -> Sums {
     assert!((factors[0] - 2.0 * PI).abs() < 1e-12 && (factors[1] - PI).abs() < 1e-12);
     let values = crate::basis::sh::eval(order, DVec3::NEG_Y);
     let mut sums = vec![[0.0; 3]; order.count()];
-    for l in 0..order.get() {
+    for (l, factor) in factors.iter().enumerate() {
         for i in l * l..(l + 1) * (l + 1) {
-            sums[i] = sky.ground.map(|ground| ground * factors[l] * values[i]);
+            sums[i] = sky.ground.map(|ground| ground * factor * values[i]);
         }
     }
     sums

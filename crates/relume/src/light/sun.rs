@@ -4,8 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use crate::basis::Order;
-use crate::basis::sh::Evaluator;
+use crate::basis::{Order, Zonal};
 
 use super::project::Sums;
 use super::spec::{SpecError, checked_radiance};
@@ -83,76 +82,18 @@ impl Sun {
 
     /// The coefficients: exact.
     pub(super) fn project(&self, order: Order) -> Sums {
-        let lobe = disc(self.angular_radius(), order);
-        let mut sums = vec![0.0; order.count()];
-        Evaluator::new(order).eval(self.direction, &mut sums);
-        for l in order.degrees() {
-            for value in &mut sums[l * l..(l + 1) * (l + 1)] {
-                *value *= lobe[l];
-            }
-        }
         let radiance = self.radiance.map(f64::from);
-        sums.iter()
+        Zonal::disc(order, self.angular_radius())
+            .toward(self.direction)
+            .into_iter()
             .map(|value| radiance.map(|radiance| radiance * value))
             .collect()
     }
 }
 
-/// Funk–Hecke factors λ_l of a disc of angular radius α, so that its coefficients are λ_l Y_lm(axis):
-///
-/// `λ_l = 2π ∫_{cos α}^1 P_l(t) dt = 2π sin²α P'_l(cos α) / (l(l+1))`, and `λ_0 = 4π sin²(α/2)`.
-///
-/// The difference of Legendre polynomials, which this is often given as, loses all digits for small discs; this form none.
-pub(super) fn disc(radius: f64, order: Order) -> Vec<f64> {
-    let (sine, cosine) = (libm::sin(radius), libm::cos(radius));
-    let half = libm::sin(0.5 * radius);
-    let mut factors = vec![4.0 * PI * half * half];
-    // P_l and P'_l by their recurrences, from l = 0.
-    let (mut p_before, mut p) = (0.0, 1.0);
-    let (mut slope_before, mut slope) = (0.0, 0.0);
-    for l in 1..order.get() {
-        let k = l as f64;
-        let p_next = ((2.0 * k - 1.0) * cosine * p - (k - 1.0) * p_before) / k;
-        let slope_next = slope_before + (2.0 * k - 1.0) * p;
-        (p_before, p) = (p, p_next);
-        (slope_before, slope) = (slope, slope_next);
-        factors.push(2.0 * PI * sine * sine * slope / (k * (k + 1.0)));
-    }
-    factors
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::basis::gauss_legendre;
-
-    #[test]
-    fn disc_factors_are_the_integrals_of_legendre_polynomials() {
-        let order = Order::new(Order::MAX).unwrap();
-        let nodes = gauss_legendre(40);
-        for radius in [1e-6, 0.0046, 0.3, 1.5707, 2.5, PI] {
-            let factors = disc(radius, order);
-            // ∫ P_l(cos θ) sin θ dθ, by quadrature in θ, P_l from Y_l0.
-            let mut expected = vec![0.0; order.get()];
-            for (node, weight) in &nodes {
-                let theta = 0.5 * radius * (node + 1.0);
-                let d = DVec3::new(theta.sin(), 0.0, theta.cos());
-                let values = crate::basis::sh::eval(order, d);
-                for (l, expected) in expected.iter_mut().enumerate() {
-                    let legendre =
-                        values[crate::basis::index(l, 0)] * (4.0 * PI / (2 * l + 1) as f64).sqrt();
-                    *expected += PI * radius * weight * theta.sin() * legendre;
-                }
-            }
-            for (l, (factor, expected)) in factors.iter().zip(&expected).enumerate() {
-                let scale = factors[0];
-                assert!(
-                    (factor - expected).abs() < 1e-12 * scale,
-                    "{radius}, degree {l}: {factor} for {expected}"
-                );
-            }
-        }
-    }
 
     #[test]
     fn the_disc_is_as_wide_as_it_says() {

@@ -56,7 +56,7 @@ impl Rule {
             };
             let mut sum = 0.0;
             product(&self.nodes, a, b, |a, b, weight| {
-                sum += weight * density(a, b)
+                sum += weight * density(a, b);
             });
             let scale = cross::solid_angle(a[0], a[1], b[0], b[1]) / sum;
             product(&self.nodes, a, b, |a, b, weight| {

@@ -153,6 +153,7 @@ pub fn override_albedo(scene: &mut Scene, albedo: [f32; 3]) -> Result<(), SceneE
     for mesh in &mut scene.meshes {
         mesh.colors.clear();
     }
+    scene.albedo_override = Some(albedo);
     Ok(())
 }
 

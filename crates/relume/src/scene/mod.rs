@@ -19,6 +19,7 @@ mod obj;
 mod ply;
 #[cfg(feature = "import")]
 mod resolve;
+mod tessellate;
 #[cfg(all(test, feature = "import"))]
 mod tests;
 mod world;
@@ -29,6 +30,7 @@ pub use finish::override_albedo;
 pub use load::{ImportOptions, load};
 pub use material::{AlphaMode, Material, Sampler, Texture, Wrap, srgb_to_linear};
 pub use mesh::{Group, Instance, Mesh};
+pub use tessellate::{TOO_COARSE, auto_max_edge, coarseness, tessellate};
 pub use world::{Surface, World};
 
 /// A scene as a file says it.
@@ -46,6 +48,8 @@ pub struct Scene {
     pub document: Option<Document>,
     /// SHA-256 of the source file's bytes in lower-case hex; empty for scenes built in memory.
     pub source_hash: String,
+    /// The linear albedo that [`override_albedo`] gave to everything, which the document does not know of.
+    pub albedo_override: Option<[f32; 3]>,
     /// One line each, for the person who imported: what was assumed, ignored or repaired.
     pub warnings: Vec<String>,
 }

@@ -12,7 +12,7 @@ const COS_CREASE: f64 = 0.5;
 /// Above this many vertices at one point the crease is not looked at (it takes the square of their number).
 const MAX_CLUSTER: usize = 64;
 
-/// Makes every normal a unit vector and returns how many had to be made up.
+/// Makes every normal a unit vector and returns how many of those that triangles use had to be made up.
 ///
 /// A vertex whose normal is missing, zero or not finite gets the sum of the unit normals of its triangles weighted by their angles at it
 /// [thuermer1998]. Vertices with the same `weld` (all their own without one) count as one vertex, and of several such at one position
@@ -54,7 +54,10 @@ pub(super) fn complete(mesh: &mut Mesh, weld: Option<&[u32]>) -> usize {
     for &i in &missing {
         mesh.normals[i] = shared[weld(i)].unwrap_or(DVec3::Y).as_vec3();
     }
-    missing.len()
+    missing
+        .iter()
+        .filter(|&&i| shared[weld(i)].is_some())
+        .count()
 }
 
 #[derive(Clone, Default)]

@@ -100,7 +100,7 @@ impl Materials {
     }
 }
 
-fn lookup(info: &TextureInfo) -> Lookup {
+pub(super) fn lookup(info: &TextureInfo) -> Lookup {
     let transform = info.extensions.transform;
     Lookup {
         set: transform

@@ -1,5 +1,8 @@
 //! PLY: ASCII and both binary orders.
 
+#[cfg(test)]
+mod tests;
+
 use std::io::Cursor;
 
 use glam::{Vec2, Vec3};

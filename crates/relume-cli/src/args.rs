@@ -1,0 +1,270 @@
+//! Every flag of the program, once.
+
+mod parse;
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use relume::basis::Order;
+use relume::light::{EnvSpec, LayoutChoice, Turn};
+
+pub use parse::{Exposure, MaxEdge, WindowChoice};
+
+/// Precomputed radiance transfer: bake how light moves through a scene once, then relight it.
+#[derive(Parser)]
+#[command(name = "relume", version, max_term_width = 100, arg_required_else_help = true, after_help = EXAMPLES)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  relume demo                                          see the whole flow on a bundled scene
+  relume bake model.glb -o baked.glb --bounces 2       bake a model: soft shadows and colour bleeding
+  relume render baked.glb --light sky.hdr -o look.png  relight it with an environment map
+  relume render baked.glb --light sky:30,3 -o f_%04d.png --frames 48 --sweep light
+  relume compare baked.glb --light sky:30,3            how far is it from path tracing?
+  relume export baked.glb -o transfer.npz              the transfer vectors, for numpy";
+
+#[derive(Subcommand)]
+pub enum Command {
+    Demo(DemoArgs),
+    Bake(BakeArgs),
+    Light(LightFileArgs),
+    Shade(ShadeArgs),
+    Render(RenderArgs),
+    Compare(CompareArgs),
+    Export(ExportArgs),
+    Info(InfoArgs),
+}
+
+/// Bake and relight a bundled scene; pictures at the end
+#[derive(Args)]
+#[command(after_help = "\
+Example:
+  relume demo --output /tmp/look")]
+pub struct DemoArgs {
+    /// Folder for the asset and the pictures; made if missing
+    #[arg(short, long, value_name = "FOLDER", default_value = "relume-demo")]
+    pub output: PathBuf,
+    /// Rays per vertex
+    #[arg(long, value_name = "N", default_value_t = 512, value_parser = parse::samples)]
+    pub samples: u32,
+    /// Threads to work with [default: one per core]
+    #[arg(long, value_name = "N", value_parser = parse::threads)]
+    pub threads: Option<usize>,
+}
+
+/// Bake a scene (.gltf, .glb, .obj, .ply) into an asset that can be relit
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  relume bake model.obj -o baked.glb
+  relume bake room.glb -o baked.glb --bounces 3 --max-edge auto   split the large faces of a room first
+  relume bake scan.ply -o baked.glb --samples 4096 --order 7 --albedo 0.6,0.5,0.4
+
+The asset is a .glb that any glTF viewer opens; the transfer is in it as an extension.")]
+pub struct BakeArgs {
+    /// The scene to bake
+    pub scene: PathBuf,
+    /// The asset to write, a .glb
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Order of the light it will answer to, 1…32: n² coefficients, n − 1 the highest degree
+    #[arg(long, value_name = "N", default_value = "5", value_parser = parse::order)]
+    pub order: Order,
+    /// Rays per vertex; the error falls about as their number rises
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = parse::samples)]
+    pub samples: u32,
+    /// Interreflections; 0 is shadowed direct light
+    #[arg(long, value_name = "K", default_value_t = 0, value_parser = parse::bounces)]
+    pub bounces: u32,
+    /// What is baked; glossy transfer is not there yet
+    #[arg(long, value_enum, default_value_t = TransferArg::Diffuse)]
+    pub transfer: TransferArg,
+    /// Linear albedo for all surfaces, instead of the scene's
+    #[arg(long, value_name = "R,G,B", value_parser = parse::albedo)]
+    pub albedo: Option<[f32; 3]>,
+    /// Leave shadows out: the closed form of the clamped cosine
+    #[arg(long, conflicts_with_all = ["bounces", "samples"])]
+    pub no_shadows: bool,
+    /// Split edges longer than this (in the scene's units), or `auto`
+    #[arg(long, value_name = "LENGTH|auto", value_parser = parse::max_edge)]
+    pub max_edge: Option<MaxEdge>,
+    /// Chooses the directions of the rays
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Threads to work with [default: one per core]; the result does not depend on it
+    #[arg(long, value_name = "N", value_parser = parse::threads)]
+    pub threads: Option<usize>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum TransferArg {
+    /// One vector per vertex
+    Diffuse,
+}
+
+/// A light and what to do to it
+#[derive(Args)]
+pub struct LightArgs {
+    /// The light: an image (.hdr, .exr, .pfm, …), a light.json, constant:R,G,B, sun:X,Y,Z,DEG,R,G,B or sky:ELEVATION,TURBIDITY
+    #[arg(long = "light", value_name = "ENV")]
+    pub env: EnvSpec,
+    #[command(flatten)]
+    pub change: LightChange,
+}
+
+#[derive(Args)]
+pub struct LightChange {
+    /// How an image is wrapped around the scene: auto, latlong, angular, vcross, hcross
+    #[arg(long, value_name = "LAYOUT", default_value = "auto")]
+    pub layout: LayoutChoice,
+    /// Turn the light about an axis, right-handed; can be given several times
+    #[arg(long, value_name = "X,Y,Z:DEG", allow_hyphen_values = true)]
+    pub rotate: Vec<Turn>,
+    /// Against ringing: none, hann (cutoff at the order) or auto (the least that keeps the light positive)
+    #[arg(long, value_enum, default_value_t = WindowChoice::None)]
+    pub window: WindowChoice,
+}
+
+/// Project a light onto spherical harmonics
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  relume light studio.hdr -o light.json
+  relume light cross.hdr -o light.json --layout vcross --order 7 --window auto
+  relume light sky:25,3 -o light.json --rotate 0,1,0:90")]
+pub struct LightFileArgs {
+    /// The light: an image, a light.json, constant:R,G,B, sun:X,Y,Z,DEG,R,G,B or sky:ELEVATION,TURBIDITY
+    pub env: EnvSpec,
+    /// The light.json to write
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Order of the projection, 1…32
+    #[arg(long, value_name = "N", default_value = "5", value_parser = parse::order)]
+    pub order: Order,
+    #[command(flatten)]
+    pub change: LightChange,
+}
+
+/// Radiance at every vertex of a baked asset, for numpy
+#[derive(Args)]
+#[command(after_help = "\
+Example:
+  relume shade baked.glb --light studio.hdr -o radiance.npz")]
+pub struct ShadeArgs {
+    /// A baked asset
+    pub asset: PathBuf,
+    #[command(flatten)]
+    pub light: LightArgs,
+    /// The .npz to write: position, normal, radiance, each [V, 3]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+}
+
+/// A picture of a baked asset under a light
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  relume render baked.glb --light studio.hdr -o look.png
+  relume render baked.glb --light studio.hdr -o look.exr --eye 2,1,3 --target 0,0.5,0 --fov 40
+  relume render baked.glb --light sky:20,4 -o turn_%04d.png --frames 60 --sweep camera")]
+pub struct RenderArgs {
+    /// A baked asset
+    pub asset: PathBuf,
+    #[command(flatten)]
+    pub light: LightArgs,
+    /// The picture to write: .png (tone mapped) or .exr (linear); with --frames a pattern such as f_%04d.png
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Pixels
+    #[arg(long, value_name = "WxH", default_value = "960x540", value_parser = parse::size)]
+    pub size: (u32, u32),
+    /// Where the camera stands [default: a view of the whole]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::point, allow_hyphen_values = true)]
+    pub eye: Option<glam::Vec3>,
+    /// What it looks at [default: the middle]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::point, allow_hyphen_values = true)]
+    pub target: Option<glam::Vec3>,
+    /// Vertical field of view in degrees
+    #[arg(long, value_name = "DEG", value_parser = parse::fov)]
+    pub fov: Option<f32>,
+    /// Stops; `auto` brings the picture's mean to middle grey
+    #[arg(long, value_name = "STOPS|auto", default_value = "auto", value_parser = parse::exposure, allow_hyphen_values = true)]
+    pub exposure: Exposure,
+    /// What is seen behind the scene
+    #[arg(long, value_enum, default_value_t = BackgroundArg::Environment)]
+    pub background: BackgroundArg,
+    /// Camera rays per pixel
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub samples_per_pixel: u32,
+    /// Pictures of a sweep
+    #[arg(long, value_name = "N", requires = "sweep", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub frames: Option<u32>,
+    /// What goes once round the vertical axis over the frames
+    #[arg(long, value_enum, requires = "frames")]
+    pub sweep: Option<SweepArg>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum BackgroundArg {
+    /// The light as it came
+    Environment,
+    /// The light as the scene gets it: band-limited
+    Light,
+    /// Nothing
+    Black,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SweepArg {
+    Light,
+    Camera,
+}
+
+/// Compare a baked asset with the built-in path tracer
+#[derive(Args)]
+#[command(after_help = "\
+Example:
+  relume compare baked.glb --light studio.hdr --vertices 400
+
+Both sides get the light at the asset's order, so that what is measured is the error of the bake: sampling, and interpolation between
+vertices where light bounces.")]
+pub struct CompareArgs {
+    /// A baked asset
+    pub asset: PathBuf,
+    #[command(flatten)]
+    pub light: LightArgs,
+    /// Vertices drawn at random
+    #[arg(long, value_name = "N", default_value_t = 400, value_parser = clap::value_parser!(u32).range(1..))]
+    pub vertices: u32,
+    /// Paths per vertex
+    #[arg(long, value_name = "N", default_value_t = 65_536, value_parser = clap::value_parser!(u32).range(64..=1 << 26))]
+    pub paths: u32,
+    /// Chooses the vertices and the paths
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+}
+
+/// Coefficients of a baked asset in other people's formats
+#[derive(Args)]
+#[command(after_help = "\
+Example:
+  relume export baked.glb -o transfer.npz
+  python3 -c 'import numpy; print(numpy.load(\"transfer.npz\")[\"transfer\"].shape)'")]
+pub struct ExportArgs {
+    /// A baked asset
+    pub asset: PathBuf,
+    /// The file to write, .npz
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+}
+
+/// What is in a file: an asset, a scene, a light
+#[derive(Args)]
+pub struct InfoArgs {
+    /// The file
+    pub file: PathBuf,
+}

@@ -1,0 +1,30 @@
+//! `relume light`
+
+use relume::files::write_atomically;
+use relume::light::LightFile;
+
+use crate::args::LightFileArgs;
+use crate::failure::Failure;
+use crate::inputs::{check_extension, check_output, light_path, open_environment, project, shown};
+
+pub fn run(args: &LightFileArgs) -> Result<(), Failure> {
+    check_extension(&args.output, &["json"])?;
+    check_output(
+        &args.output,
+        &light_path(&args.env).into_iter().collect::<Vec<_>>(),
+    )?;
+    let environment = open_environment(&args.env, &args.change)?;
+    let (light, window) = project(&environment, args.order, &args.change)?;
+    let text = LightFile { light, window }.to_json();
+    write_atomically(&args.output, |writer| {
+        std::io::Write::write_all(writer, text.as_bytes())
+    })
+    .map_err(|error| Failure::new(format!("{}: {error}", shown(&args.output))))?;
+    eprintln!(
+        "wrote {}: order {}, {} coefficients",
+        shown(&args.output),
+        args.order,
+        args.order.count()
+    );
+    Ok(())
+}

@@ -1,0 +1,179 @@
+//! `relume render`
+
+use std::path::{Path, PathBuf};
+
+use glam::{DVec3, Vec3};
+use relume::asset::Asset;
+use relume::bake::trace::Tracer;
+use relume::display::{self, Camera, Picture, RaycastOptions, ToneMap, VertexRadiance};
+use relume::light::{Environment, IncidentLight, ShLight, Turn};
+use relume::scene::World;
+
+use crate::args::{BackgroundArg, Exposure, RenderArgs, SweepArg};
+use crate::failure::Failure;
+use crate::inputs::{self, check_extension, check_output, light_path, shown};
+use crate::progress;
+
+pub fn run(args: &RenderArgs) -> Result<(), Failure> {
+    check_extension(&args.output, &["png", "exr"])?;
+    let frames = frame_names(args)?;
+    let given = [Some(args.asset.as_path()), light_path(&args.light.env)];
+    check_output(
+        &args.output,
+        &given.into_iter().flatten().collect::<Vec<_>>(),
+    )?;
+    let (asset, world) = inputs::open_asset(&args.asset)?;
+    let environment = inputs::open_environment(&args.light.env, &args.light.change)?;
+    let (light, _) = inputs::project(&environment, asset.transfer.order, &args.light.change)?;
+    let tone = ToneMap {
+        exposure: exposure(args.exposure, &asset, &world, &light),
+    };
+    let tracer = Tracer::new(&world);
+    let camera = camera(args, &world);
+
+    // Every frame turns the camera or the light once round the vertical axis.
+    let bar = progress::count_bar("rendering", frames.len() as u64);
+    for (i, path) in frames.iter().enumerate() {
+        let degrees = 360.0 * i as f64 / frames.len() as f64;
+        let turn = Turn::new(DVec3::Y, degrees)?.matrix();
+        let mut view = camera;
+        let (mut light, mut environment) = (light.clone(), environment.clone());
+        match args.sweep {
+            Some(SweepArg::Camera) => {
+                let from_target = (camera.eye - camera.target).as_dvec3();
+                view.eye = camera.target + (turn * from_target).as_vec3();
+            }
+            Some(SweepArg::Light) => {
+                light = light.rotated(turn)?;
+                environment = environment.rotated(turn)?;
+            }
+            None => {}
+        }
+        let background = background(args.background, &environment, &light);
+        let radiance = VertexRadiance::new(&asset.transfer, &IncidentLight::Distant(light.clone()));
+        let options = RaycastOptions {
+            width: args.size.0,
+            height: args.size.1,
+            samples_per_pixel: args.samples_per_pixel,
+        };
+        let picture = display::render(&world, &tracer, &radiance, &*background, &view, &options)?;
+        write(&picture, path, &tone)?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    match &frames[..] {
+        [only] => eprintln!(
+            "wrote {} (exposure {:+.2} stops)",
+            shown(only),
+            tone.exposure
+        ),
+        [first, .., last] => {
+            eprintln!(
+                "wrote {} … {} (exposure {:+.2} stops)",
+                shown(first),
+                shown(last),
+                tone.exposure
+            );
+        }
+        [] => {}
+    }
+    Ok(())
+}
+
+pub fn write(picture: &Picture, path: &Path, tone: &ToneMap) -> Result<(), Failure> {
+    picture.write(path, tone).map_err(Failure::from)
+}
+
+/// The camera asked for; what is not said comes from a view of the whole.
+fn camera(args: &RenderArgs, world: &World) -> Camera {
+    let framing = Camera::framing(world, args.size.0 as f32 / args.size.1 as f32);
+    Camera {
+        eye: args.eye.unwrap_or(framing.eye),
+        target: args.target.unwrap_or(framing.target),
+        up: Vec3::Y,
+        fov_vertical_deg: args.fov.unwrap_or(framing.fov_vertical_deg),
+    }
+}
+
+/// What stands behind the scene, by direction.
+fn background<'a>(
+    choice: BackgroundArg,
+    environment: &'a Environment,
+    light: &'a ShLight,
+) -> Box<dyn Fn(Vec3) -> [f32; 3] + Sync + 'a> {
+    match choice {
+        BackgroundArg::Environment => Box::new(|direction| environment.radiance(direction)),
+        BackgroundArg::Light => Box::new(|direction| light.radiance(direction.as_dvec3())),
+        BackgroundArg::Black => Box::new(|_| [0.0; 3]),
+    }
+}
+
+/// The exposure asked for, or the one that brings the mean radiance of the vertices to middle grey.
+pub fn exposure(choice: Exposure, asset: &Asset, world: &World, light: &ShLight) -> f32 {
+    if let Exposure::Stops(stops) = choice {
+        return stops;
+    }
+    let light = IncidentLight::Distant(light.clone());
+    let radiance = relume::shade::radiance(world, &asset.transfer, &light);
+    let luminance = |[r, g, b]: &[f32; 3]| f64::from(0.2126 * r + 0.7152 * g + 0.0722 * b);
+    let mean = radiance.iter().map(luminance).sum::<f64>() / radiance.len().max(1) as f64;
+    // The curve of the tone map darkens by 0.6; middle grey is 0.18.
+    if mean > 0.0 {
+        libm::log2(0.18 / 0.6 / mean).clamp(-64.0, 64.0) as f32
+    } else {
+        0.0
+    }
+}
+
+/// The files to write: one, or the pattern's numbers 0…N−1.
+fn frame_names(args: &RenderArgs) -> Result<Vec<PathBuf>, Failure> {
+    let name = args.output.to_string_lossy();
+    match args.frames {
+        None => Ok(vec![args.output.clone()]),
+        Some(frames) => (0..frames)
+            .map(|i| numbered(&name, i).map(PathBuf::from))
+            .collect(),
+    }
+}
+
+/// `name` with its one `%d` or `%0Nd` replaced by `number`.
+fn numbered(name: &str, number: u32) -> Result<String, Failure> {
+    let wrong = || {
+        let name = relume::files::printable(name);
+        Failure::new(format!(
+            "{name}: with --frames the output needs one number, such as f_%04d.png"
+        ))
+    };
+    let (before, rest) = name.split_once('%').ok_or_else(wrong)?;
+    let (digits, after) = rest.split_once('d').ok_or_else(wrong)?;
+    let width = match digits.strip_prefix('0') {
+        _ if digits.is_empty() => 0,
+        Some(width) => width
+            .parse::<usize>()
+            .ok()
+            .filter(|w| *w <= 9)
+            .ok_or_else(wrong)?,
+        None => return Err(wrong()),
+    };
+    if after.contains('%') {
+        return Err(wrong());
+    }
+    Ok(format!("{before}{number:0width$}{after}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_numbered_by_the_pattern_and_by_nothing_else() {
+        let name = |pattern| numbered(pattern, 7).ok();
+        assert_eq!(name("f_%04d.png").as_deref(), Some("f_0007.png"));
+        assert_eq!(name("a/f%d.png").as_deref(), Some("a/f7.png"));
+        assert!(
+            ["f.png", "f_%s.png", "f_%4d.png", "%d_%d.png", "%0999d"]
+                .iter()
+                .all(|p| name(p).is_none())
+        );
+    }
+}

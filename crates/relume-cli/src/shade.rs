@@ -1,0 +1,29 @@
+//! `relume shade`
+
+use relume::asset;
+use relume::light::IncidentLight;
+use relume::shade;
+
+use crate::args::ShadeArgs;
+use crate::failure::Failure;
+use crate::inputs::{self, check_extension, check_output, light_path, shown};
+
+pub fn run(args: &ShadeArgs) -> Result<(), Failure> {
+    check_extension(&args.output, &["npz"])?;
+    let inputs = [Some(args.asset.as_path()), light_path(&args.light.env)];
+    check_output(
+        &args.output,
+        &inputs.into_iter().flatten().collect::<Vec<_>>(),
+    )?;
+    let (asset, world) = inputs::open_asset(&args.asset)?;
+    let environment = inputs::open_environment(&args.light.env, &args.light.change)?;
+    let (light, _) = inputs::project(&environment, asset.transfer.order, &args.light.change)?;
+    let radiance = shade::radiance(&world, &asset.transfer, &IncidentLight::Distant(light));
+    asset::export_radiance(&world, &asset.transfer.valid, &radiance, &args.output)?;
+    eprintln!(
+        "wrote {}: radiance of {} vertices",
+        shown(&args.output),
+        radiance.len()
+    );
+    Ok(())
+}

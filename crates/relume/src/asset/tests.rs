@@ -1,0 +1,487 @@
+//! Whole assets, written and read again.
+
+use glam::Vec3;
+use serde_json::{Value, json};
+
+use super::samples;
+use super::*;
+use crate::basis::Order;
+use crate::scene::{Document, Mesh, World, gltf};
+
+fn glb(asset: &Asset) -> Vec<u8> {
+    to_glb(asset).unwrap()
+}
+
+fn parts(bytes: &[u8]) -> (Value, &[u8]) {
+    let (json, bin) = container::split(bytes).unwrap();
+    (serde_json::from_slice(json).unwrap(), bin)
+}
+
+/// A `.glb` of this JSON and binary chunk.
+fn join(json: &Value, bin: &[u8]) -> Vec<u8> {
+    let mut chunk = container::Bin::default();
+    chunk.push(container::Part::Bytes(bin.into()));
+    let json = serde_json::to_vec(json).unwrap();
+    let container = container::Container::new(json, chunk).unwrap();
+    let mut bytes = Vec::new();
+    container.write(&mut bytes).unwrap();
+    bytes
+}
+
+/// Fails unless two scenes look alike to everything that bakes or shades. Importing brings normals to length 1, which can move each
+/// component by one unit in the last place.
+fn assert_same_world(found: &Scene, expected: &Scene) {
+    let [found, expected] = [found, expected].map(World::new);
+    assert_eq!(found.positions, expected.positions);
+    assert_eq!(found.uvs, expected.uvs);
+    assert_eq!(found.colors, expected.colors);
+    assert_eq!(found.alphas, expected.alphas);
+    assert_eq!(found.triangles, expected.triangles);
+    assert_eq!(found.instance_vertices, expected.instance_vertices);
+    assert_eq!(found.from_input, expected.from_input);
+    assert_eq!(found.vertex_albedos(), expected.vertex_albedos());
+    for (a, b) in found.normals.iter().zip(&expected.normals) {
+        assert!((*a - *b).abs().max_element() <= f32::EPSILON, "{a} for {b}");
+    }
+}
+
+#[test]
+fn a_scene_made_in_memory_comes_back_with_its_transfer() {
+    let asset = samples::asset();
+    let bytes = glb(&asset);
+    let read = from_glb(&bytes).unwrap();
+    assert_eq!(read.transfer, asset.transfer);
+    assert_eq!(read.scene.source_hash, asset.scene.source_hash);
+    assert_same_world(&read.scene, &asset.scene);
+    let names = |scene: &Scene| {
+        scene
+            .meshes
+            .iter()
+            .map(|m| m.name.clone())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(names(&read.scene), ["plate", "fern"]);
+    let materials = |scene: &Scene| format!("{:?}", scene.materials);
+    assert_eq!(materials(&read.scene), materials(&asset.scene));
+    // Read, written, read: nothing moves, nothing grows.
+    assert_eq!(glb(&read), bytes);
+}
+
+#[test]
+fn every_kind_of_transfer_comes_back() {
+    let scene = samples::scene();
+    let vertices = scene.vertex_count();
+    for (order, channels, back) in [
+        (1, 1, None),
+        (5, 1, Some(0)),
+        (32, 3, None),
+        (2, 3, Some(vertices - 1)),
+    ] {
+        let mut transfer = samples::transfer(vertices, order, channels, back);
+        if order == 1 {
+            transfer.kind = TransferKind::Unshadowed;
+            transfer.valid.fill(true);
+            transfer.seed = 7;
+        }
+        let scene = scene.clone();
+        let asset = Asset { scene, transfer };
+        assert_eq!(from_glb(&glb(&asset)).unwrap().transfer, asset.transfer);
+    }
+}
+
+/// A document with what Relume does not know: extras, an extension, a camera, a line primitive, an interleaved accessor.
+fn document() -> Document {
+    let vertex = |x: f32, y: f32, u: f32| [x, y, 0.25, 0.0, 0.0, 1.0, u, y];
+    let corners = [
+        vertex(0.0, 0.0, 0.0),
+        vertex(2.0, 0.0, 1.0),
+        vertex(2.0, 1.0, 1.0),
+        vertex(0.0, 1.0, 0.0),
+    ];
+    let mut bin: Vec<u8> = corners
+        .iter()
+        .flatten()
+        .flat_map(|c| c.to_le_bytes())
+        .collect();
+    bin.extend([0, 1, 2, 0, 2, 3, 9]);
+    let image = samples::scene();
+    let fresh = to_glb(&Asset {
+        transfer: samples::transfer(image.vertex_count(), 1, 1, None),
+        scene: image,
+    })
+    .unwrap();
+    let (fresh, chunk) = parts(&fresh);
+    let png = fresh["images"][0]["bufferView"].as_u64().unwrap() as usize;
+    let png = &fresh["bufferViews"][png];
+    let start = png["byteOffset"].as_u64().unwrap() as usize;
+    let length = png["byteLength"].as_u64().unwrap() as usize;
+    bin.resize(136, 0);
+    bin.extend(&chunk[start..start + length]);
+    let accessor = |offset: u32, kind: &str| {
+        json!({
+        "bufferView": 0, "byteOffset": offset, "componentType": 5126, "count": 4, "type": kind })
+    };
+    let mut position = accessor(0, "VEC3");
+    position["min"] = json!([0.0, 0.0, 0.25]);
+    position["max"] = json!([2.0, 1.0, 0.25]);
+    let moved = json!({ "KHR_texture_transform": { "offset": [0.125, 0.5], "rotation": 0.3, "scale": [3.0, 0.7] } });
+    let json = json!({
+        "asset": { "version": "2.0", "copyright": "nobody" },
+        "extensionsUsed": ["KHR_texture_transform", "EXT_something"],
+        "extras": { "note": [1, 2.5, 1e-7, "\u{e9}"] },
+        "scene": 0,
+        "scenes": [{ "nodes": [1, 0] }],
+        "nodes": [
+            { "mesh": 0, "name": "first", "translation": [1, 0, 0], "extensions": { "EXT_something": { "x": 1 } } },
+            { "children": [2, 3] },
+            { "mesh": 0, "scale": [-1, 1, 1] },
+            { "camera": 0 },
+        ],
+        "cameras": [{ "type": "perspective", "perspective": { "yfov": 0.7, "znear": 0.1 } }],
+        "meshes": [{ "primitives": [
+            { "attributes": { "POSITION": 0 }, "mode": 1 },
+            { "attributes": { "POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2, "TEXCOORD_1": 2 }, "indices": 3, "material": 0, "extras": "kept" },
+            { "attributes": { "POSITION": 0 }, "indices": 3 },
+        ] }],
+        "materials": [{
+            "pbrMetallicRoughness": {
+                "baseColorTexture": { "index": 0, "texCoord": 1, "extensions": moved },
+                "metallicRoughnessTexture": { "index": 0, "texCoord": 1, "extensions": moved },
+            },
+            "emissiveTexture": { "index": 0 },
+        }],
+        "textures": [{ "source": 0 }],
+        "images": [{ "bufferView": 2, "mimeType": "image/png" }],
+        "accessors": [position, accessor(12, "VEC3"), accessor(24, "VEC2"),
+            { "bufferView": 1, "componentType": 5121, "count": 6, "type": "SCALAR" }],
+        "bufferViews": [
+            { "buffer": 0, "byteLength": 128, "byteStride": 32, "target": 34962 },
+            { "buffer": 0, "byteOffset": 128, "byteLength": 6, "target": 34963 },
+            { "buffer": 0, "byteOffset": 136, "byteLength": length },
+        ],
+        "buffers": [{ "byteLength": bin.len(), "name": "all" }],
+    });
+    Document { json, bin }
+}
+
+/// The document, imported, with transfer.
+fn imported() -> Asset {
+    let Document { json, bin } = document();
+    let scene = gltf::from_glb(&join(&json, &bin)).unwrap();
+    assert_eq!(scene.instances.len(), 4);
+    let transfer = samples::transfer(scene.vertex_count(), 2, 3, Some(3));
+    Asset { scene, transfer }
+}
+
+/// Fails unless everything in `old` stands in `new` at the same place, additions at the end of arrays and in `extensions` aside.
+pub fn assert_contains(new: &Value, old: &Value, path: &str) {
+    match (new, old) {
+        (Value::Object(new), Value::Object(old)) => {
+            for (key, value) in old {
+                let path = format!("{path}/{key}");
+                let found = new.get(key).unwrap_or_else(|| panic!("{path} is gone"));
+                assert_contains(found, value, &path);
+            }
+            let added: Vec<_> = new.keys().filter(|key| !old.contains_key(*key)).collect();
+            let allowed = ["extensions", "extensionsUsed", "RELUME_transfer"];
+            assert!(
+                added.iter().all(|key| allowed.contains(&key.as_str())),
+                "{path}: {added:?}"
+            );
+        }
+        (Value::Array(new), Value::Array(old)) => {
+            let grows = ["/bufferViews", "/extensionsUsed"].contains(&path);
+            assert!(
+                new.len() == old.len() || grows && new.len() > old.len(),
+                "{path}"
+            );
+            for (i, (new, old)) in new.iter().zip(old).enumerate() {
+                assert_contains(new, old, &format!("{path}/{i}"));
+            }
+        }
+        // The one number that must change.
+        _ if path == "/buffers/0/byteLength" => {}
+        _ => assert_eq!(new, old, "{path}"),
+    }
+}
+
+#[test]
+fn a_document_survives_entry_by_entry_and_byte_by_byte() {
+    let asset = imported();
+    let bytes = glb(&asset);
+    let Document {
+        json: old,
+        bin: old_bin,
+    } = document();
+    let (new, bin) = parts(&bytes);
+    assert!(bin.starts_with(&old_bin));
+    assert_contains(&new, &old, "");
+    let extension = &new["nodes"][2]["extensions"][header::NAME];
+    assert_eq!(
+        extension["primitives"][0],
+        json!({}),
+        "lines have no transfer"
+    );
+    assert_eq!(extension["primitives"][2]["count"], 4);
+    assert!(
+        new["nodes"][3].get("extensions").is_none(),
+        "a camera has none"
+    );
+    let read = from_glb(&bytes).unwrap();
+    assert_eq!(read.transfer, asset.transfer);
+    assert_eq!(
+        format!("{:?}", read.scene.meshes),
+        format!("{:?}", asset.scene.meshes)
+    );
+    assert_eq!(glb(&read), bytes);
+}
+
+/// Every triangle gets a vertex at its middle, as a tessellator would append them; instances are unshared.
+fn split(scene: &mut Scene, which: impl Fn(usize) -> bool) {
+    let meshes: Vec<Mesh> = scene
+        .instances
+        .iter()
+        .map(|i| scene.meshes[i.mesh].clone())
+        .collect();
+    scene.meshes = meshes;
+    for (i, instance) in scene.instances.iter_mut().enumerate() {
+        instance.mesh = i;
+        let mesh = &mut scene.meshes[i];
+        if !which(i) {
+            continue;
+        }
+        for corners in std::mem::take(&mut mesh.groups[0].triangles) {
+            let [a, b, c] = corners;
+            let at = |of: &dyn Fn(usize) -> Vec3| {
+                corners.iter().map(|&i| of(i as usize)).sum::<Vec3>() / 3.0
+            };
+            let (position, normal) = (
+                at(&|i| mesh.positions[i]),
+                at(&|i| mesh.normals[i]).normalize(),
+            );
+            let new = mesh.positions.len() as u32;
+            if !mesh.uvs.is_empty() {
+                mesh.uvs.push(at(&|i| mesh.uvs[i].extend(0.0)).truncate());
+            }
+            mesh.positions.push(position);
+            mesh.normals.push(normal);
+            mesh.groups[0]
+                .triangles
+                .extend([[a, b, new], [b, c, new], [c, a, new]]);
+        }
+    }
+}
+
+#[test]
+fn split_triangles_get_a_mesh_of_their_own_and_the_old_one_stays() {
+    let mut scene = imported().scene;
+    // Node 2 comes first: both of its primitives; of node 0 the textured one only.
+    split(&mut scene, |i| i != 3);
+    let transfer = samples::transfer(scene.vertex_count(), 2, 3, None);
+    let asset = Asset { scene, transfer };
+    let bytes = glb(&asset);
+    let (new, bin) = parts(&bytes);
+    let Document {
+        json: old,
+        bin: old_bin,
+    } = document();
+    assert!(bin.starts_with(&old_bin));
+    for key in [
+        "accessors",
+        "bufferViews",
+        "meshes",
+        "materials",
+        "images",
+        "textures",
+        "cameras",
+    ] {
+        let old = old[key].as_array().unwrap();
+        assert_eq!(&new[key].as_array().unwrap()[..old.len()], old, "{key}");
+    }
+    let meshes = [2, 0].map(|node: usize| new["nodes"][node]["mesh"].as_u64().unwrap() as usize);
+    assert_eq!(meshes, [1, 2]);
+    let primitives = &new["meshes"][2]["primitives"];
+    assert_eq!(primitives[0], old["meshes"][0]["primitives"][0]);
+    assert_eq!(primitives[2], old["meshes"][0]["primitives"][2]);
+    assert_eq!(primitives[1]["extras"], "kept");
+    // The copy of the material: what was looked up elsewhere is gone, what was looked up there reads set 0.
+    let material = &new["materials"][1];
+    assert_eq!(primitives[1]["material"], 1);
+    assert_eq!(new["materials"].as_array().map(Vec::len), Some(2));
+    assert_eq!(
+        material["pbrMetallicRoughness"]["baseColorTexture"],
+        json!({ "index": 0 })
+    );
+    assert!(material.get("emissiveTexture").is_none());
+    let read = from_glb(&bytes).unwrap();
+    assert_eq!(read.transfer, asset.transfer);
+    assert_same_world(&read.scene, &asset.scene);
+    assert_eq!(glb(&read), bytes);
+}
+
+#[test]
+fn baking_a_baked_file_replaces_its_transfer() {
+    let asset = imported();
+    let bytes = glb(&asset);
+    let scene = gltf::from_glb(&bytes).unwrap();
+    assert_eq!(scene.vertex_count(), asset.transfer.vertex_count());
+    let again = Asset {
+        transfer: asset.transfer.clone(),
+        scene: Scene {
+            source_hash: asset.scene.source_hash,
+            ..scene
+        },
+    };
+    assert_eq!(glb(&again), bytes);
+}
+
+#[test]
+fn an_albedo_for_everything_comes_back_though_the_document_has_another() {
+    let mut asset = imported();
+    crate::scene::override_albedo(&mut asset.scene, [0.5, 0.25, 0.1]).unwrap();
+    let bytes = glb(&asset);
+    assert_contains(&parts(&bytes).0, &document().json, "");
+    let read = from_glb(&bytes).unwrap();
+    assert_same_world(&read.scene, &asset.scene);
+    assert_eq!(glb(&read), bytes);
+}
+
+#[test]
+fn a_file_is_written_and_read_by_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out.glb");
+    let asset = samples::asset();
+    write(&asset, &path).unwrap();
+    assert_eq!(std::fs::read(&path).unwrap(), glb(&asset));
+    assert_eq!(read(&path).unwrap().transfer, asset.transfer);
+    assert!(same_file(&path, &folder.path().join(".").join("out.glb")));
+    assert!(!same_file(&path, folder.path()));
+    let error = read(&folder.path().join("none.glb"))
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("none.glb: "), "{error}");
+    std::fs::write(&path, join(&document().json, &document().bin)).unwrap();
+    let error = read(&path).unwrap_err().to_string();
+    assert!(
+        error.ends_with("out.glb: has no baked transfer; make one with `relume bake`"),
+        "{error}"
+    );
+}
+
+#[test]
+fn the_predicted_size_is_an_upper_bound_and_close() {
+    for asset in [samples::asset(), imported()] {
+        let Transfer {
+            order, channels, ..
+        } = asset.transfer;
+        let predicted = predicted_size(&asset.scene, order, channels).unwrap();
+        let actual = glb(&asset).len() as u64;
+        assert!(predicted >= actual, "{predicted} for {actual}");
+        let (vector, json) = (4 * asset.transfer.stride() as u64, 1500);
+        let slack = asset.scene.vertex_count() as u64 * (vector + 5);
+        assert!(predicted <= actual + slack + json * asset.scene.instances.len() as u64);
+    }
+    let mut scene = samples::scene();
+    scene.instances = vec![scene.instances[0].clone(); 11_000];
+    let order = Order::new(32).unwrap();
+    // 110,000 vertices of 12 KiB each for three channels; 36,700 would fit.
+    let error = predicted_size(&scene, order, 3 * 4).unwrap_err();
+    assert!(matches!(error, AssetError::TooLarge(_)), "{error}");
+}
+
+#[test]
+fn what_a_glb_cannot_say_is_refused_before_the_bake() {
+    let order = Order::new(2).unwrap();
+    let refused = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = samples::scene();
+        change(&mut scene);
+        predicted_size(&scene, order, 1).unwrap_err().to_string()
+    };
+    let sheared = glam::DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 1.0]);
+    let sheared = glam::DAffine3::from_mat3(sheared);
+    let cases: [(&dyn Fn(&mut Scene), &str); 6] = [
+        (
+            &|s| s.instances[1].world_from_object = sheared,
+            "instance \"1\" is sheared",
+        ),
+        (
+            &|s| s.meshes[0].colors[2][1] = 1.5,
+            "mesh \"fern\" has vertex colours outside",
+        ),
+        (
+            &|s| s.meshes[1].groups.clear(),
+            "mesh \"plate\" has no triangles",
+        ),
+        (
+            &|s| s.meshes[0].positions[3].x = f32::NAN,
+            "mesh \"fern\" has coordinates that",
+        ),
+        (
+            &|s| s.meshes[0].normals[3] *= 2.0,
+            "mesh \"fern\" has normals that",
+        ),
+        (
+            &|s| s.materials[0].base_color[1] = 2.0,
+            "material \"brass\" has a base colour outside",
+        ),
+    ];
+    for (change, expected) in cases {
+        let error = refused(change);
+        assert!(error.starts_with(expected), "{error}");
+    }
+}
+
+#[test]
+fn transfer_that_does_not_fit_is_not_written() {
+    let cases: [(&dyn Fn(&mut Transfer), &str); 6] = [
+        (&|t| _ = t.valid.pop(), "transfer vectors for"),
+        (&|t| _ = t.coefficients.pop(), "number of coefficients"),
+        (
+            &|t| t.coefficients[5] = f32::INFINITY,
+            "coefficient 5 is not finite",
+        ),
+        (&|t| t.channels = 2, "2 channels"),
+        (
+            &|t| t.back.as_mut().unwrap().vertices.swap(0, 1),
+            "ascending",
+        ),
+        (
+            &|t| _ = t.back.as_mut().unwrap().coefficients.pop(),
+            "number of coefficients",
+        ),
+    ];
+    for (change, expected) in cases {
+        let mut asset = samples::asset();
+        change(&mut asset.transfer);
+        let error = to_glb(&asset).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+}
+
+#[test]
+fn a_description_counts_and_warns() {
+    let asset = samples::asset();
+    let found = describe(&asset);
+    assert_eq!(found.vertices, 10 + 17 + 10);
+    assert_eq!(found.input_vertices, 6 + 12 + 6);
+    assert_eq!(found.bytes_per_vertex, 4 * 3 * 9);
+    assert_eq!(found.invalid, 5);
+    assert_eq!(found.triangles, 8 + 18 + 8);
+    assert_eq!(
+        found.back_vertices,
+        asset.transfer.back.unwrap().vertices.len()
+    );
+    let text = found.to_string();
+    assert!(
+        text.contains("order 3 (9 coefficients), real-no-cs"),
+        "{text}"
+    );
+    assert!(
+        text.contains("ignores that material \"brass\" is metallic"),
+        "{text}"
+    );
+}
+
+mod damage;
+#[cfg(feature = "import")]
+mod real;
