@@ -133,7 +133,7 @@ fn a_ball_shadows_the_floor_below_by_its_form_factor() {
             origin: Vec3::new(x as f32, 1e-4, 0.0),
             normal: Vec3::Y,
         };
-        let estimates = estimate(&world, &[receiver], &one, &options(0, 65_536));
+        let estimates = estimate(&world, &[receiver], &one, &options(0, 1 << 18));
         let distance = x.hypot(height);
         let blocked = |r: f64| (height / distance) * (r / distance).powi(2);
         let (low, high) = (1.0 - blocked(radius), 1.0 - blocked(inscribed));
