@@ -1,5 +1,7 @@
 //! The program as people use it: what it writes, what it says, how it exits.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};

@@ -9,6 +9,9 @@ use crate::basis::Order;
 use crate::scene::{Document, Mesh, World, gltf};
 use document::document;
 
+/// Something done to a value that makes it wrong.
+type Spoil<'a, T> = &'a dyn Fn(&mut T);
+
 fn glb(asset: &Asset) -> Vec<u8> {
     to_glb(asset).unwrap()
 }
@@ -325,7 +328,7 @@ fn what_a_glb_cannot_say_is_refused_before_the_bake() {
     };
     let sheared = glam::DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 1.0]);
     let sheared = glam::DAffine3::from_mat3(sheared);
-    let cases: [(&dyn Fn(&mut Scene), &str); 8] = [
+    let cases: [(Spoil<Scene>, &str); 8] = [
         (
             &|s| s.instances[1].mesh = 2,
             "instance 1 names a mesh, material or vertex",
@@ -367,7 +370,7 @@ fn what_a_glb_cannot_say_is_refused_before_the_bake() {
 
 #[test]
 fn transfer_that_does_not_fit_is_not_written() {
-    let cases: [(&dyn Fn(&mut Transfer), &str); 6] = [
+    let cases: [(Spoil<Transfer>, &str); 6] = [
         (&|t| _ = t.valid.pop(), "transfer vectors for"),
         (&|t| _ = t.coefficients.pop(), "number of coefficients"),
         (

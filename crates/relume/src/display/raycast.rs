@@ -142,7 +142,7 @@ impl View<'_> {
                     .iter()
                     .zip(hits)
                     .map(|(&d, hit)| self.seen(d, hit));
-                let sum: DVec3 = seen.map(|radiance| radiance.as_dvec3()).sum();
+                let sum: DVec3 = seen.map(Vec3::as_dvec3).sum();
                 (sum / samples as f64).as_vec3().to_array()
             })
             .collect()
