@@ -19,7 +19,8 @@ mod ply;
 #[cfg(feature = "import")]
 mod resolve;
 mod tessellate;
-#[cfg(all(test, feature = "import"))]
+#[cfg(test)]
+#[cfg(feature = "import")]
 mod tests;
 mod world;
 

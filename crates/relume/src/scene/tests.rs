@@ -129,6 +129,15 @@ fn real_gltf_instances_materials_and_textures() {
     assert_eq!((helmet.meshes.len(), helmet.materials.len()), (6, 6));
     assert!(helmet.materials.iter().all(|m| m.has_normal_map));
     assert!(helmet.warnings.iter().any(|w| w.contains("BLEND")));
+    let (low, high) = World::new(&helmet).bounds().unwrap();
+    assert!(
+        (low - glam::Vec3::new(-0.204, 0.0, -0.172)).length() < 1e-3,
+        "{low}"
+    );
+    assert!(
+        (high - glam::Vec3::new(0.163, 0.716, 0.2)).length() < 1e-3,
+        "{high}"
+    );
     if cfg!(feature = "images") {
         assert!(
             helmet
