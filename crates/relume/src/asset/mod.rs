@@ -35,5 +35,6 @@ pub struct Asset {
     pub transfer: Transfer,
 }
 
-#[cfg(all(test, feature = "images"))]
+#[cfg(test)]
+#[cfg(feature = "images")]
 mod tests;
