@@ -180,6 +180,10 @@ fn headers_are_not_believed() {
         assert!(message.contains(expected), "{message}");
         assert!(!message.contains(['\n', '\t']), "{message}");
     }
+}
+
+#[test]
+fn what_is_cut_off_or_no_mesh_is_refused() {
     let cut = &binary(false)[..binary(false).len() - 3];
     let message = read(cut).unwrap_err().to_string();
     assert!(message.contains("Unexpected end of file"), "{message}");

@@ -1,3 +1,6 @@
+#[cfg(feature = "images")]
+#[cfg(feature = "import")]
+mod gather;
 mod hostile;
 mod materials;
 mod nodes;
