@@ -114,7 +114,7 @@ impl<'a> Caster<'a> {
     /// Where a ray that leaves a hit in the direction `toward` starts: the point itself, moved off the triangle's plane on that side
     /// by a ten-thousandth of the triangle's size, and by no less than the rounding of its coordinates.
     pub fn leave(&self, hit: &Hit, toward: DVec3) -> Vec3 {
-        let corners = self.world.corners(hit.triangle).map(|p| p.as_dvec3());
+        let corners = self.world.corners(hit.triangle).map(Vec3::as_dvec3);
         let point = (0..3).map(|i| corners[i] * f64::from(hit.weights[i])).sum();
         let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         let twice_area = cross.length();
