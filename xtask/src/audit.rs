@@ -44,8 +44,8 @@ pub const STEPS: &[Step] = &[
 type Packages = BTreeMap<String, String>;
 
 fn licences(context: &Context) -> Result<Tally, String> {
-    let mut cargo =
-        context.cargo("tree --locked --workspace --target all --edges all --prefix none");
+    let mut cargo = context
+        .cargo("tree --locked --workspace --target all --edges normal,build,dev --prefix none");
     cargo.args(["--format", "{p}\t{l}"]);
     let packages = packages(&process::output(&mut cargo)?)?;
     println!("{} packages", packages.len());

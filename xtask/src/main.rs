@@ -6,6 +6,7 @@
 mod audit;
 mod bench;
 mod context;
+mod docs;
 mod libtest;
 mod licence;
 mod need;

@@ -1,30 +1,53 @@
 //! Running other programs: quietly for an answer, or with their output streaming through.
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read};
 use std::process::{Command, ExitStatus, Stdio};
 
 /// Runs `command`, passing its standard output on line by line and handing each line to `see`; its errors go straight through.
-pub fn stream(command: &mut Command, mut see: impl FnMut(&str)) -> Result<ExitStatus, String> {
+pub fn stream(command: &mut Command, see: impl FnMut(&str)) -> Result<ExitStatus, String> {
     let mut child = command
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .spawn()
         .map_err(|error| unstartable(command, &error))?;
     let stdout = child.stdout.take().expect("stdout is piped");
-    let mut reader = BufReader::new(stdout);
+    pass_on(stdout, see)?;
+    child.wait().map_err(|error| error.to_string())
+}
+
+/// As [`stream`], with the lines of its standard error too.
+pub fn stream_all(command: &mut Command, see: impl FnMut(&str)) -> Result<ExitStatus, String> {
+    let pipe = std::io::pipe().and_then(|(reader, writer)| {
+        command
+            .stdin(Stdio::null())
+            .stdout(writer.try_clone()?)
+            .stderr(writer);
+        Ok(reader)
+    });
+    let reader = pipe.map_err(|error| error.to_string())?;
+    let child = command.spawn();
+    // The command holds the pipe's other end; while it does, the pipe does not end.
+    command.stdout(Stdio::null()).stderr(Stdio::null());
+    let mut child = child.map_err(|error| unstartable(command, &error))?;
+    pass_on(reader, see)?;
+    child.wait().map_err(|error| error.to_string())
+}
+
+/// Prints every line of `output` and hands it to `see`.
+fn pass_on(output: impl Read, mut see: impl FnMut(&str)) -> Result<(), String> {
+    let mut reader = BufReader::new(output);
     let mut bytes = Vec::new();
-    while reader
-        .read_until(b'\n', &mut bytes)
-        .map_err(|error| error.to_string())?
-        > 0
-    {
+    loop {
+        let read = reader.read_until(b'\n', &mut bytes);
+        if read.map_err(|error| error.to_string())? == 0 {
+            return Ok(());
+        }
         let line = String::from_utf8_lossy(&bytes);
         let line = line.trim_end_matches(['\n', '\r']);
         println!("{line}");
         see(line);
         bytes.clear();
     }
-    child.wait().map_err(|error| error.to_string())
 }
 
 /// Runs `command` with its output streaming through; whether it succeeded.

@@ -56,10 +56,7 @@ fn citations_are_told_from_other_brackets() {
 #[test]
 fn every_citation_stands_in_the_bibliography() {
     let bibliography = std::fs::read_to_string(root().join("docs/references.bib")).unwrap();
-    let known: BTreeSet<&str> = bibliography
-        .lines()
-        .filter_map(|line| line.strip_prefix('@')?.split_once('{')?.1.strip_suffix(','))
-        .collect();
+    let known = crate::docs::keys(&bibliography);
     assert!(known.len() > 20, "{known:?}");
     let mut missing = BTreeSet::new();
     for path in files(&root(), &[".rs", ".md", ".py", ".mjs"]) {

@@ -7,7 +7,7 @@ use crate::libtest::Libtest;
 use crate::need::Need;
 use crate::step::Step;
 use crate::tally::Tally;
-use crate::{process, python, validator};
+use crate::{docs, process, python, validator};
 
 const WASM: &str = "wasm32-unknown-unknown";
 const CLIPPY: Need = Need::Component {
@@ -72,7 +72,7 @@ pub const STEPS: &[Step] = &[
         name: "docs",
         what: "documentation as published and with private items, warnings denied",
         needs: &[],
-        run: docs,
+        run: docs::run,
     },
     Step {
         name: "tests",
@@ -109,17 +109,6 @@ fn commands(context: &Context, lines: &[&str]) -> Result<Tally, String> {
     let mut tally = Tally::default();
     for line in lines {
         tally.command(&mut context.cargo(line))?;
-    }
-    Ok(tally)
-}
-
-fn docs(context: &Context) -> Result<Tally, String> {
-    let mut tally = Tally::default();
-    for line in [
-        "doc --locked --no-deps --workspace --document-private-items",
-        "doc --locked --no-deps --workspace",
-    ] {
-        tally.command(context.cargo(line).env("RUSTDOCFLAGS", "-D warnings"))?;
     }
     Ok(tally)
 }

@@ -6,9 +6,9 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use relume::basis::Order;
-use relume::light::{EnvSpec, LayoutChoice, Turn};
+use relume::light::{EnvSpec, LayoutChoice, Turn, WindowChoice};
 
-pub use parse::{Exposure, MaxEdge, WindowChoice};
+pub use parse::{Exposure, MaxEdge};
 
 /// Precomputed radiance transfer: bake how light moves through a scene once, then relight it.
 #[derive(Parser)]
@@ -124,8 +124,8 @@ pub struct LightChange {
     /// Turn the light about an axis, right-handed; can be given several times
     #[arg(long, value_name = "X,Y,Z:DEG", allow_hyphen_values = true)]
     pub rotate: Vec<Turn>,
-    /// Against ringing: none, hann (cutoff at the order) or auto (the least that keeps the light positive)
-    #[arg(long, value_enum, default_value_t = WindowChoice::None)]
+    /// Against ringing: none, hann (cutoff at the order), auto (the least blur that keeps the light positive)
+    #[arg(long, value_name = "none|hann|auto", default_value = "none")]
     pub window: WindowChoice,
 }
 

@@ -11,7 +11,7 @@ use crate::progress;
 pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     let (asset, world) = inputs::open_asset(&args.asset)?;
     let environment = inputs::open_environment(&args.light.env, &args.light.change)?;
-    let (light, _) = inputs::project(&environment, asset.transfer.order, &args.light.change)?;
+    let light = inputs::project(&environment, asset.transfer.order, &args.light.change)?.light;
     let CompareArgs {
         vertices,
         paths,

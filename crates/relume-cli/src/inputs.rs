@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use relume::asset::{self, Asset};
-use relume::basis::Order;
+use relume::basis::{Order, Window};
 use relume::files::printable;
-use relume::light::{self, EnvSpec, Environment, LightOptions, ShLight};
+use relume::light::{self, EnvSpec, Environment, LightFile, LightOptions};
 use relume::scene::World;
 
 use crate::args::LightChange;
@@ -38,18 +38,17 @@ pub fn open_environment(env: &EnvSpec, change: &LightChange) -> Result<Environme
     Ok(environment)
 }
 
-/// The light's projection with its window, and that window's cutoff; says what the window did.
+/// The light's projection with its window; says what the window was.
 pub fn project(
     environment: &Environment,
     order: Order,
     change: &LightChange,
-) -> Result<(ShLight, Option<f64>), Failure> {
-    let light = environment.project(order);
-    let windowed = change.window.window(order).apply(light.coefficients())?;
-    if let Some(cutoff) = windowed.cutoff {
-        eprintln!("window: Hann, cutoff at degree {cutoff:.2}");
+) -> Result<LightFile, Failure> {
+    let file = LightFile::windowed(&environment.project(order), change.window)?;
+    if file.window != Window::None {
+        eprintln!("window: {}", file.window);
     }
-    Ok((ShLight::new(order, windowed.coefficients), windowed.cutoff))
+    Ok(file)
 }
 
 /// Refuses an output that is one of the inputs, or whose folder is not there.

@@ -1,7 +1,6 @@
 //! `relume light`
 
 use relume::files::write_atomically;
-use relume::light::LightFile;
 
 use crate::args::LightFileArgs;
 use crate::failure::Failure;
@@ -14,8 +13,7 @@ pub fn run(args: &LightFileArgs) -> Result<(), Failure> {
         &light_path(&args.env).into_iter().collect::<Vec<_>>(),
     )?;
     let environment = open_environment(&args.env, &args.change)?;
-    let (light, window) = project(&environment, args.order, &args.change)?;
-    let text = LightFile { light, window }.to_json();
+    let text = project(&environment, args.order, &args.change)?.to_json();
     write_atomically(&args.output, |writer| {
         std::io::Write::write_all(writer, text.as_bytes())
     })

@@ -1,11 +1,11 @@
 //! `relume render`
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use glam::{DVec3, Vec3};
 use relume::asset::Asset;
 use relume::bake::trace::Tracer;
-use relume::display::{self, Camera, Picture, RaycastOptions, ToneMap, VertexRadiance};
+use relume::display::{self, Camera, RaycastOptions, ToneMap, VertexRadiance};
 use relume::light::{Environment, IncidentLight, ShLight, Turn};
 use relume::scene::World;
 
@@ -24,31 +24,17 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     )?;
     let (asset, world) = inputs::open_asset(&args.asset)?;
     let environment = inputs::open_environment(&args.light.env, &args.light.change)?;
-    let (light, _) = inputs::project(&environment, asset.transfer.order, &args.light.change)?;
+    let light = inputs::project(&environment, asset.transfer.order, &args.light.change)?.light;
     let tone = ToneMap {
         exposure: exposure(args.exposure, &asset, &world, &light),
     };
     let tracer = Tracer::new(&world);
     let camera = camera(args, &world);
 
-    // Every frame turns the camera or the light once round the vertical axis.
     let bar = progress::count_bar("rendering", frames.len() as u64);
     for (i, path) in frames.iter().enumerate() {
-        let degrees = 360.0 * i as f64 / frames.len() as f64;
-        let turn = Turn::new(DVec3::Y, degrees)?.matrix();
-        let mut view = camera;
-        let (mut light, mut environment) = (light.clone(), environment.clone());
-        match args.sweep {
-            Some(SweepArg::Camera) => {
-                let from_target = (camera.eye - camera.target).as_dvec3();
-                view.eye = camera.target + (turn * from_target).as_vec3();
-            }
-            Some(SweepArg::Light) => {
-                light = light.rotated(turn)?;
-                environment = environment.rotated(turn)?;
-            }
-            None => {}
-        }
+        let share = i as f64 / frames.len() as f64;
+        let (light, environment, view) = swept(args, share, (&light, &environment, camera))?;
         let background = background(args.background, &environment, &light);
         let radiance = VertexRadiance::new(&asset.transfer, &IncidentLight::Distant(light.clone()));
         let options = RaycastOptions {
@@ -57,7 +43,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
             samples_per_pixel: args.samples_per_pixel,
         };
         let picture = display::render(&world, &tracer, &radiance, &*background, &view, &options)?;
-        write(&picture, path, &tone)?;
+        picture.write(path, &tone)?;
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -80,8 +66,26 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-pub fn write(picture: &Picture, path: &Path, tone: &ToneMap) -> Result<(), Failure> {
-    picture.write(path, tone).map_err(Failure::from)
+/// The light and the camera at this share of a sweep: one of them turned about the vertical, once over all frames.
+fn swept(
+    args: &RenderArgs,
+    share: f64,
+    (light, environment, camera): (&ShLight, &Environment, Camera),
+) -> Result<(ShLight, Environment, Camera), Failure> {
+    let turn = Turn::new(DVec3::Y, 360.0 * share)?.matrix();
+    Ok(match args.sweep {
+        Some(SweepArg::Light) => (
+            light.rotated(turn)?,
+            environment.clone().rotated(turn)?,
+            camera,
+        ),
+        Some(SweepArg::Camera) => {
+            let from_target = turn * (camera.eye - camera.target).as_dvec3();
+            let eye = camera.target + from_target.as_vec3();
+            (light.clone(), environment.clone(), Camera { eye, ..camera })
+        }
+        None => (light.clone(), environment.clone(), camera),
+    })
 }
 
 /// The camera asked for; what is not said comes from a view of the whole.

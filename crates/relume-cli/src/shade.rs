@@ -17,7 +17,7 @@ pub fn run(args: &ShadeArgs) -> Result<(), Failure> {
     )?;
     let (asset, world) = inputs::open_asset(&args.asset)?;
     let environment = inputs::open_environment(&args.light.env, &args.light.change)?;
-    let (light, _) = inputs::project(&environment, asset.transfer.order, &args.light.change)?;
+    let light = inputs::project(&environment, asset.transfer.order, &args.light.change)?.light;
     let radiance = shade::radiance(&world, &asset.transfer, &IncidentLight::Distant(light));
     asset::export_radiance(&world, &asset.transfer.valid, &radiance, &args.output)?;
     eprintln!(

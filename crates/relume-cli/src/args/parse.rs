@@ -1,9 +1,8 @@
 //! Values of flags from text; what they refuse ends with status 2.
 
-use clap::ValueEnum;
 use glam::Vec3;
 use relume::bake::BakeOptions;
-use relume::basis::{Order, Window};
+use relume::basis::Order;
 
 /// `--max-edge`
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,25 +16,6 @@ pub enum MaxEdge {
 pub enum Exposure {
     Auto,
     Stops(f32),
-}
-
-/// `--window`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum WindowChoice {
-    None,
-    Hann,
-    Auto,
-}
-
-impl WindowChoice {
-    /// The window for a light of `order`.
-    pub fn window(self, order: Order) -> Window {
-        match self {
-            Self::None => Window::None,
-            Self::Hann => Window::Hann(order.get() as f64),
-            Self::Auto => Window::Auto,
-        }
-    }
 }
 
 pub fn order(text: &str) -> Result<Order, String> {

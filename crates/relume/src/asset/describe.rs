@@ -41,7 +41,7 @@ pub struct Description {
     pub materials: usize,
     /// Decoded base colour textures.
     pub textures: usize,
-    /// Names of materials that are used and metallic, which diffuse transfer ignores.
+    /// Names of materials that are used and have a metallic factor, which diffuse transfer ignores; fit to print.
     pub metallic: Vec<String>,
 }
 
@@ -82,76 +82,92 @@ pub fn describe(asset: &Asset) -> Description {
 
 impl fmt::Display for Description {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (n, count, channels) = (self.order, self.order.count(), self.channels);
-        let kind = match self.kind {
+        let (vertices, inputs) = (self.vertices, self.input_vertices);
+        let added = vertices.saturating_sub(inputs);
+        let (instances, triangles) = (self.instances, self.triangles);
+        let (materials, textures) = (self.materials, self.textures);
+        let (count, bytes) = (self.order.count(), self.bytes_per_vertex);
+        let source = match self.source_hash.as_str() {
+            "" => "unknown".to_owned(),
+            hash => format!("sha256 {hash}"),
+        };
+        let lines = [
+            ("transfer", self.kind_in_words()),
+            (
+                "basis",
+                format!(
+                    "spherical harmonics, order {} ({count} coefficients), {}",
+                    self.order,
+                    header::CONVENTION
+                ),
+            ),
+            (
+                "quantity",
+                format!("{}, without the receiver's own albedo", header::QUANTITY),
+            ),
+            ("channels", self.channels_in_words().to_owned()),
+            ("space", "the scene's root, right-handed, y up".to_owned()),
+            (
+                "vertices",
+                format!("{vertices} ({inputs} of the source, {added} added)"),
+            ),
+            (
+                "buried",
+                format!("{} vertices, filled from their neighbours", self.invalid),
+            ),
+            ("back sides", format!("{} vertices", self.back_vertices)),
+            (
+                "size",
+                format!(
+                    "{bytes} bytes a vertex, {} bytes in all",
+                    self.transfer_bytes
+                ),
+            ),
+            (
+                "sampling",
+                format!("{} rays a vertex, seed {}", self.samples, self.seed),
+            ),
+            (
+                "scene",
+                format!(
+                    "{instances} instances, {triangles} triangles, {materials} materials, {textures} textures"
+                ),
+            ),
+            ("source", source),
+        ];
+        for (name, value) in lines {
+            writeln!(f, "{name:<12} {value}")?;
+        }
+        self.write_note(f)
+    }
+}
+
+impl Description {
+    fn kind_in_words(&self) -> String {
+        match self.kind {
             TransferKind::Unshadowed => "diffuse, unshadowed (closed form)".to_owned(),
             TransferKind::Shadowed { bounces: 0 } => "diffuse, shadowed direct light".to_owned(),
             TransferKind::Shadowed { bounces: 1 } => "diffuse, shadowed, 1 bounce".to_owned(),
             TransferKind::Shadowed { bounces } => format!("diffuse, shadowed, {bounces} bounces"),
-        };
-        writeln!(f, "transfer     {kind}")?;
-        writeln!(
-            f,
-            "basis        spherical harmonics, order {n} ({count} coefficients), {}",
-            header::CONVENTION
-        )?;
-        writeln!(
-            f,
-            "quantity     {}, without the receiver's own albedo",
-            header::QUANTITY
-        )?;
-        writeln!(
-            f,
-            "channels     {channels}{}",
-            if channels == 3 {
-                " (linear Rec. 709)"
-            } else {
-                ""
-            }
-        )?;
-        writeln!(f, "space        the scene's root, right-handed, y up")?;
-        let added = self.vertices - self.input_vertices.min(self.vertices);
-        writeln!(
-            f,
-            "vertices     {} ({} of the source, {added} added)",
-            self.vertices, self.input_vertices
-        )?;
-        writeln!(
-            f,
-            "buried       {} vertices, filled from their neighbours",
-            self.invalid
-        )?;
-        writeln!(f, "back sides   {} vertices", self.back_vertices)?;
-        writeln!(
-            f,
-            "size         {} bytes a vertex, {} bytes in all",
-            self.bytes_per_vertex, self.transfer_bytes
-        )?;
-        writeln!(
-            f,
-            "sampling     {} rays a vertex, seed {}",
-            self.samples, self.seed
-        )?;
-        writeln!(
-            f,
-            "scene        {} instances, {} triangles, {} materials, {} textures",
-            self.instances, self.triangles, self.materials, self.textures
-        )?;
-        let source = match self.source_hash.as_str() {
-            "" => "unknown",
-            hash => hash,
-        };
-        writeln!(f, "source       sha256 {source}")?;
-        if let Some(first) = self.metallic.first() {
-            let more = match self.metallic.len() - 1 {
-                0 => String::new(),
-                more => format!(" and {more} more"),
-            };
-            writeln!(
-                f,
-                "note         diffuse transfer ignores that material \"{first}\"{more} is metallic"
-            )?;
         }
-        Ok(())
+    }
+
+    fn channels_in_words(&self) -> &'static str {
+        match self.channels {
+            1 => "1, for every colour",
+            _ => "3, linear Rec. 709",
+        }
+    }
+
+    fn write_note(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(first) = self.metallic.first() else {
+            return Ok(());
+        };
+        let more = match self.metallic.len() - 1 {
+            0 => String::new(),
+            more => format!(" (and {more} more)"),
+        };
+        let note = format!("diffuse transfer ignores metalness: material \"{first}\"{more}");
+        writeln!(f, "{:<12} {note}", "note")
     }
 }

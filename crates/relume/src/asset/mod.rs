@@ -36,4 +36,5 @@ pub struct Asset {
 }
 
 #[cfg(test)]
+#[cfg(feature = "images")]
 mod tests;

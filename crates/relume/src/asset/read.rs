@@ -15,8 +15,21 @@ use views::Views;
 /// The scene's document is the one that was baked, without the transfer, so that writing the asset again gives the same bytes. Every
 /// length, token and number is checked; errors name the file.
 pub fn read(path: &Path) -> Result<Asset, AssetError> {
-    let bytes = std::fs::read(path).map_err(|error| AssetError::from(error).of(path))?;
-    from_glb(&bytes).map_err(|error| error.of(path))
+    bytes(path)
+        .and_then(|bytes| from_glb(&bytes))
+        .map_err(|error| error.of(path))
+}
+
+/// The content of a regular file that is not longer than a `.glb` can be.
+fn bytes(path: &Path) -> Result<Vec<u8>, AssetError> {
+    let metadata = std::fs::metadata(path)?;
+    if !metadata.is_file() {
+        return Err(AssetError::Container("it is no regular file".to_owned()));
+    }
+    if metadata.len() > u64::from(u32::MAX) {
+        return Err(AssetError::Container("it is longer than 4 GiB".to_owned()));
+    }
+    Ok(std::fs::read(path)?)
 }
 
 /// [`read`] from memory.
@@ -61,6 +74,7 @@ pub fn assemble(json: &Value, bin: &[u8], mut scene: Scene) -> Result<Asset, Ass
     if let Some(document) = &mut scene.document {
         let length = strip::strip(&mut document.json, document.bin.len());
         document.bin.truncate(length);
+        document.bin.shrink_to_fit();
     }
     if let Some(albedo) = meaning.albedo {
         crate::scene::override_albedo(&mut scene, albedo)?;

@@ -5,8 +5,8 @@ use serde_json::{Value, json};
 
 use super::samples;
 use super::*;
-use crate::basis::Order;
 use crate::scene::{Document, Mesh, World, gltf};
+use document::document;
 
 fn glb(asset: &Asset) -> Vec<u8> {
     to_glb(asset).unwrap()
@@ -87,81 +87,6 @@ fn every_kind_of_transfer_comes_back() {
         let asset = Asset { scene, transfer };
         assert_eq!(from_glb(&glb(&asset)).unwrap().transfer, asset.transfer);
     }
-}
-
-/// A document with what Relume does not know: extras, an extension, a camera, a line primitive, an interleaved accessor.
-fn document() -> Document {
-    let vertex = |x: f32, y: f32, u: f32| [x, y, 0.25, 0.0, 0.0, 1.0, u, y];
-    let corners = [
-        vertex(0.0, 0.0, 0.0),
-        vertex(2.0, 0.0, 1.0),
-        vertex(2.0, 1.0, 1.0),
-        vertex(0.0, 1.0, 0.0),
-    ];
-    let mut bin: Vec<u8> = corners
-        .iter()
-        .flatten()
-        .flat_map(|c| c.to_le_bytes())
-        .collect();
-    bin.extend([0, 1, 2, 0, 2, 3, 9]);
-    let image = samples::scene();
-    let fresh = to_glb(&Asset {
-        transfer: samples::transfer(image.vertex_count(), 1, 1, None),
-        scene: image,
-    })
-    .unwrap();
-    let (fresh, chunk) = parts(&fresh);
-    let png = fresh["images"][0]["bufferView"].as_u64().unwrap() as usize;
-    let png = &fresh["bufferViews"][png];
-    let start = png["byteOffset"].as_u64().unwrap() as usize;
-    let length = png["byteLength"].as_u64().unwrap() as usize;
-    bin.resize(136, 0);
-    bin.extend(&chunk[start..start + length]);
-    let accessor = |offset: u32, kind: &str| {
-        json!({
-        "bufferView": 0, "byteOffset": offset, "componentType": 5126, "count": 4, "type": kind })
-    };
-    let mut position = accessor(0, "VEC3");
-    position["min"] = json!([0.0, 0.0, 0.25]);
-    position["max"] = json!([2.0, 1.0, 0.25]);
-    let moved = json!({ "KHR_texture_transform": { "offset": [0.125, 0.5], "rotation": 0.3, "scale": [3.0, 0.7] } });
-    let json = json!({
-        "asset": { "version": "2.0", "copyright": "nobody" },
-        "extensionsUsed": ["KHR_texture_transform", "EXT_something"],
-        "extras": { "note": [1, 2.5, 1e-7, "\u{e9}"] },
-        "scene": 0,
-        "scenes": [{ "nodes": [1, 0] }],
-        "nodes": [
-            { "mesh": 0, "name": "first", "translation": [1, 0, 0], "extensions": { "EXT_something": { "x": 1 } } },
-            { "children": [2, 3] },
-            { "mesh": 0, "scale": [-1, 1, 1] },
-            { "camera": 0 },
-        ],
-        "cameras": [{ "type": "perspective", "perspective": { "yfov": 0.7, "znear": 0.1 } }],
-        "meshes": [{ "primitives": [
-            { "attributes": { "POSITION": 0 }, "mode": 1 },
-            { "attributes": { "POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2, "TEXCOORD_1": 2 }, "indices": 3, "material": 0, "extras": "kept" },
-            { "attributes": { "POSITION": 0 }, "indices": 3 },
-        ] }],
-        "materials": [{
-            "pbrMetallicRoughness": {
-                "baseColorTexture": { "index": 0, "texCoord": 1, "extensions": moved },
-                "metallicRoughnessTexture": { "index": 0, "texCoord": 1, "extensions": moved },
-            },
-            "emissiveTexture": { "index": 0 },
-        }],
-        "textures": [{ "source": 0 }],
-        "images": [{ "bufferView": 2, "mimeType": "image/png" }],
-        "accessors": [position, accessor(12, "VEC3"), accessor(24, "VEC2"),
-            { "bufferView": 1, "componentType": 5121, "count": 6, "type": "SCALAR" }],
-        "bufferViews": [
-            { "buffer": 0, "byteLength": 128, "byteStride": 32, "target": 34962 },
-            { "buffer": 0, "byteOffset": 128, "byteLength": 6, "target": 34963 },
-            { "buffer": 0, "byteOffset": 136, "byteLength": length },
-        ],
-        "buffers": [{ "byteLength": bin.len(), "name": "all" }],
-    });
-    Document { json, bin }
 }
 
 /// The document, imported, with transfer.
@@ -369,96 +294,6 @@ fn a_file_is_written_and_read_by_path() {
 }
 
 #[test]
-fn the_predicted_size_is_an_upper_bound_and_close() {
-    for asset in [samples::asset(), imported()] {
-        let Transfer {
-            order, channels, ..
-        } = asset.transfer;
-        let predicted = predicted_size(&asset.scene, order, channels).unwrap();
-        let actual = glb(&asset).len() as u64;
-        assert!(predicted >= actual, "{predicted} for {actual}");
-        let (vector, json) = (4 * asset.transfer.stride() as u64, 1500);
-        let slack = asset.scene.vertex_count() as u64 * (vector + 5);
-        assert!(predicted <= actual + slack + json * asset.scene.instances.len() as u64);
-    }
-    let mut scene = samples::scene();
-    scene.instances = vec![scene.instances[0].clone(); 11_000];
-    let order = Order::new(32).unwrap();
-    // 110,000 vertices of 12 KiB each for three channels; 36,700 would fit.
-    let error = predicted_size(&scene, order, 3 * 4).unwrap_err();
-    assert!(matches!(error, AssetError::TooLarge(_)), "{error}");
-}
-
-#[test]
-fn what_a_glb_cannot_say_is_refused_before_the_bake() {
-    let order = Order::new(2).unwrap();
-    let refused = |change: &dyn Fn(&mut Scene)| {
-        let mut scene = samples::scene();
-        change(&mut scene);
-        predicted_size(&scene, order, 1).unwrap_err().to_string()
-    };
-    let sheared = glam::DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 1.0]);
-    let sheared = glam::DAffine3::from_mat3(sheared);
-    let cases: [(&dyn Fn(&mut Scene), &str); 6] = [
-        (
-            &|s| s.instances[1].world_from_object = sheared,
-            "instance \"1\" is sheared",
-        ),
-        (
-            &|s| s.meshes[0].colors[2][1] = 1.5,
-            "mesh \"fern\" has vertex colours outside",
-        ),
-        (
-            &|s| s.meshes[1].groups.clear(),
-            "mesh \"plate\" has no triangles",
-        ),
-        (
-            &|s| s.meshes[0].positions[3].x = f32::NAN,
-            "mesh \"fern\" has coordinates that",
-        ),
-        (
-            &|s| s.meshes[0].normals[3] *= 2.0,
-            "mesh \"fern\" has normals that",
-        ),
-        (
-            &|s| s.materials[0].base_color[1] = 2.0,
-            "material \"brass\" has a base colour outside",
-        ),
-    ];
-    for (change, expected) in cases {
-        let error = refused(change);
-        assert!(error.starts_with(expected), "{error}");
-    }
-}
-
-#[test]
-fn transfer_that_does_not_fit_is_not_written() {
-    let cases: [(&dyn Fn(&mut Transfer), &str); 6] = [
-        (&|t| _ = t.valid.pop(), "transfer vectors for"),
-        (&|t| _ = t.coefficients.pop(), "number of coefficients"),
-        (
-            &|t| t.coefficients[5] = f32::INFINITY,
-            "coefficient 5 is not finite",
-        ),
-        (&|t| t.channels = 2, "2 channels"),
-        (
-            &|t| t.back.as_mut().unwrap().vertices.swap(0, 1),
-            "ascending",
-        ),
-        (
-            &|t| _ = t.back.as_mut().unwrap().coefficients.pop(),
-            "number of coefficients",
-        ),
-    ];
-    for (change, expected) in cases {
-        let mut asset = samples::asset();
-        change(&mut asset.transfer);
-        let error = to_glb(&asset).unwrap_err().to_string();
-        assert!(error.contains(expected), "{error}");
-    }
-}
-
-#[test]
 fn a_description_counts_and_warns() {
     let asset = samples::asset();
     let found = describe(&asset);
@@ -477,11 +312,14 @@ fn a_description_counts_and_warns() {
         "{text}"
     );
     assert!(
-        text.contains("ignores that material \"brass\" is metallic"),
+        text.contains("ignores metalness: material \"brass\""),
         "{text}"
     );
 }
 
 mod damage;
+mod docs;
+mod document;
 #[cfg(feature = "import")]
 mod real;
+mod refused;

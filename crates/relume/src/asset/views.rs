@@ -101,7 +101,7 @@ impl<'a> Views<'a> {
         if Some(length) != count.checked_mul(size) {
             return wrong(&format!("has {length} bytes, not {count} times {size}"));
         }
-        if size % 4 == 0 && offset % 4 != 0 {
+        if size.is_multiple_of(4) && !offset.is_multiple_of(4) {
             return wrong("does not begin at a multiple of 4 bytes");
         }
         let end = offset

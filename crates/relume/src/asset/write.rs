@@ -40,6 +40,7 @@ pub fn predicted_size(scene: &Scene, order: Order, channels: usize) -> Result<u6
     // Room for what the extension says of a node, and of a primitive with its views.
     const NODE: u64 = 640;
     const PRIMITIVE: u64 = 640;
+    check_scene(scene)?;
     let vector = (4 * channels * order.count()) as u64;
     let mut bytes = scene_alone(scene)?.finish()?.len() as u64;
     for instance in &scene.instances {
@@ -86,6 +87,7 @@ fn scene_alone(scene: &Scene) -> Result<Builder<'_>, AssetError> {
 }
 
 fn plan(asset: &Asset) -> Result<Container<'_>, AssetError> {
+    check_scene(&asset.scene)?;
     check(asset)?;
     let Asset { scene, transfer } = asset;
     let mut builder = scene_alone(scene)?;
@@ -184,19 +186,27 @@ fn entry<'a>(
     Ok(entry)
 }
 
-/// Whether every array has the length it must have, and every number is one.
+/// Whether every index of a scene names something.
+fn check_scene(scene: &Scene) -> Result<(), AssetError> {
+    let materials = scene.materials.len();
+    for (i, instance) in scene.instances.iter().enumerate() {
+        let whole = scene.meshes.get(instance.mesh).is_some_and(|mesh| {
+            let vertices = mesh.positions.len();
+            mesh.groups.iter().all(|group| group.material < materials)
+                && mesh.triangles().flatten().all(|v| (v as usize) < vertices)
+        });
+        if !whole {
+            let what = "names a mesh, material or vertex that is not there; repair the scene";
+            return Err(AssetError::Unwritable(format!("instance {i} {what}")));
+        }
+    }
+    Ok(())
+}
+
+/// Whether every array of the transfer has the length it must have, and every number is one.
 fn check(asset: &Asset) -> Result<(), AssetError> {
     let Asset { scene, transfer } = asset;
     let wrong = |what: String| Err(AssetError::Mismatch(what));
-    for instance in &scene.instances {
-        let mesh = scene.meshes.get(instance.mesh);
-        let groups = mesh.map(|mesh| mesh.groups.as_slice());
-        let materials = scene.materials.len();
-        match groups {
-            Some(groups) if groups.iter().all(|g| g.material < materials) => {}
-            _ => return wrong("an instance names a mesh or a material that is not there".into()),
-        }
-    }
     let (vertices, vectors) = (scene.vertex_count(), transfer.vertex_count());
     if vertices != vectors {
         return wrong(format!(

@@ -12,7 +12,7 @@
 //! | `rotate` | rotation of an expansion by a matrix | [`Rotation`], [`turn`] |
 //! | `product` | the expansion of a product, triple products | [`Product`] |
 //! | `zonal` | lobes about an axis, convolution with them | [`Zonal`] |
-//! | `window` | against ringing | [`Window`], [`hann`] |
+//! | `window` | against ringing | [`Window`], [`hann`], [`gauss`] |
 //! | `convention` | how other programs write the same coefficients | [`Convention`] |
 //!
 //! Results are the same bits on every machine: no platform sine, no fused multiply-add, sums in a fixed order.
@@ -48,5 +48,5 @@ pub use product::{Entry, Product};
 pub use project::{evaluate, evaluate_rgb, project, project_samples};
 pub use quadrature::{Quadrature, gauss_legendre};
 pub use rotate::{Rotation, RotationError, turn};
-pub use window::{Window, WindowError, Windowed, hann};
+pub use window::{Window, WindowError, Windowed, gauss, hann};
 pub use zonal::Zonal;

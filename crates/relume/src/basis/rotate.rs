@@ -152,8 +152,8 @@ fn nearest_rotation(matrix: DMat3) -> Result<DMat3, RotationError> {
         .into_iter()
         .map(f64::abs)
         .fold(0.0, f64::max);
-    // Finite entries can overflow when squared: that is no rotation either.
-    if !(deviation <= TOLERANCE) {
+    // Entries that overflow when squared make it infinite.
+    if deviation > TOLERANCE {
         return Err(RotationError::NotOrthonormal(deviation));
     }
     if matrix.determinant() < 0.0 {

@@ -1,6 +1,7 @@
 //! Decoders of the coded image formats, with every size checked before memory is taken.
 
 use std::io::Cursor;
+use std::sync::LazyLock;
 
 use exr::prelude::{ReadChannels, ReadLayers};
 use image::ImageDecoder;
@@ -112,11 +113,10 @@ pub(super) fn eight_bit(bytes: &[u8], format: image::ImageFormat, name: &'static
     check_claim(u64::from(width), u64::from(height), bytes.len())?;
     let decoded = image::DynamicImage::from_decoder(decoder).map_err(broken)?;
     // 8 bits widen to 16 exactly: v / 255 = 257 v / 65535.
-    let linear: Vec<f32> = (0..=u16::MAX).map(linear_from_srgb).collect();
     let pixels = decoded
         .into_rgb16()
         .pixels()
-        .map(|pixel| pixel.0.map(|value| linear[usize::from(value)]))
+        .map(|pixel| pixel.0.map(|value| LINEAR_FROM_SRGB[usize::from(value)]))
         .collect();
     let warning = format!(
         "{name} images are not HDR: their light ends at white; use .hdr, .exr or .pfm if you can"
@@ -126,6 +126,10 @@ pub(super) fn eight_bit(bytes: &[u8], format: image::ImageFormat, name: &'static
         vec![warning],
     ))
 }
+
+/// [`linear_from_srgb`] of every value.
+static LINEAR_FROM_SRGB: LazyLock<Vec<f32>> =
+    LazyLock::new(|| (0..=u16::MAX).map(linear_from_srgb).collect());
 
 /// IEC 61966-2-1, of a value out of 65535.
 fn linear_from_srgb(value: u16) -> f32 {

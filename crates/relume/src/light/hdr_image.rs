@@ -6,6 +6,7 @@ use thiserror::Error;
 pub const MAX_PIXELS: u64 = 1 << 27;
 
 /// The most pixels believed of a file per byte it is long: more than any of its codecs can pack.
+#[cfg(feature = "images")]
 const MAX_PIXELS_PER_BYTE: u64 = 1 << 14;
 
 /// Linear Rec. 709 radiance, row by row from the top left, every value finite and not negative.

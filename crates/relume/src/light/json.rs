@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde_json::{Map, Value};
 use thiserror::Error;
 
-use crate::basis::{Convention, Order, WindowError};
+use crate::basis::{Convention, Order, Window, WindowError};
 use crate::files::printable;
 
 use super::incident::ShLight;
@@ -19,8 +19,8 @@ const MAX_BYTES: usize = 1 << 23;
 pub struct LightFile {
     /// The coefficients, in our convention.
     pub light: ShLight,
-    /// Cutoff of the Hann window that was applied to them, if any was. In the file: `"window": "none"` or `"hann:CUTOFF"`.
-    pub window: Option<f64>,
+    /// The window that was applied to them: never `auto`, but what became of it.
+    pub window: Window,
 }
 
 /// A light.json that cannot be used.
@@ -78,17 +78,13 @@ impl LightFile {
         let windowed = window.apply(light.coefficients())?;
         Ok(Self {
             light: ShLight::new(light.order(), windowed.coefficients),
-            window: windowed.cutoff,
+            window: windowed.window,
         })
     }
 
     /// The text of the file. Numbers read back to the same f32, and the text is the same on every machine.
     pub fn to_json(&self) -> String {
         let text = |value: &str| Value::from(value).to_string();
-        let window = match self.window {
-            Some(cutoff) => format!("hann:{cutoff:?}"),
-            None => "none".to_owned(),
-        };
         let mut out = String::from("{\n");
         let header = [
             ("basis", text("sh")),
@@ -96,7 +92,7 @@ impl LightFile {
             ("convention", text(&Convention::RealNoCs.to_string())),
             ("quantity", text("radiance")),
             ("colour", text("linear-rec709")),
-            ("window", text(&window)),
+            ("window", text(&self.window.to_string())),
         ];
         for (field, value) in header {
             let _ = writeln!(out, "  \"{field}\": {value},");
@@ -164,26 +160,21 @@ fn order(file: &Map<String, Value>) -> Result<Order, LightJsonError> {
         })
 }
 
-/// The cutoff; `hann` alone has the order as its cutoff. A file that names no window has none.
-fn window(file: &Map<String, Value>, order: Order) -> Result<Option<f64>, LightJsonError> {
+/// `hann` alone has the order as its cutoff. A file that names no window has none.
+fn window(file: &Map<String, Value>, order: Order) -> Result<Window, LightJsonError> {
     let Some(value) = file.get("window") else {
-        return Ok(None);
+        return Ok(Window::None);
     };
-    let cutoff = |text: &str| {
-        let cutoff = text.strip_prefix("hann:")?.parse::<f64>().ok()?;
-        (cutoff > 0.0 && cutoff.is_finite()).then_some(Some(cutoff))
-    };
-    let window = match value.as_str() {
-        Some("none") => Some(None),
-        Some("hann") => Some(Some(order.get() as f64)),
-        Some(text) => cutoff(text),
-        None => None,
-    };
-    window.ok_or_else(|| LightJsonError::Field {
-        field: "window",
-        found: shown(value),
-        accepted: "\"none\" or \"hann:CUTOFF\"".to_owned(),
-    })
+    let choice = value.as_str().and_then(|text| text.parse().ok());
+    let window = choice.map(|choice: WindowChoice| choice.window(order));
+    window
+        // Auto is a wish, not something that was done.
+        .filter(|window| *window != Window::Auto)
+        .ok_or_else(|| LightJsonError::Field {
+            field: "window",
+            found: shown(value),
+            accepted: "\"none\", \"hann:CUTOFF\" or \"gauss:RADIANS\"".to_owned(),
+        })
 }
 
 fn convention(file: &Map<String, Value>) -> Result<Convention, LightJsonError> {

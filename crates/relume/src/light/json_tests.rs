@@ -9,7 +9,7 @@ fn file(n: usize) -> LightFile {
         .collect();
     LightFile {
         light: ShLight::new(order, coefficients),
-        window: None,
+        window: Window::None,
     }
 }
 
@@ -29,9 +29,9 @@ proptest! {
         let finite = |bits| Some(f32::from_bits(bits)).filter(|v| v.is_finite()).unwrap_or(1.5);
         let coefficients: Vec<[f32; 3]> = bits.iter().map(|rgb| rgb.map(finite)).collect();
         let light = ShLight::new(Order::new(2).unwrap(), coefficients.clone());
-        let written = LightFile { light, window: Some(4.25) };
+        let written = LightFile { light, window: Window::Gauss(0.425) };
         let read = LightFile::from_json(written.to_json().as_bytes()).unwrap();
-        prop_assert_eq!(read.window, Some(4.25));
+        prop_assert_eq!(read.window, Window::Gauss(0.425));
         for (a, b) in read.light.coefficients().iter().flatten().zip(coefficients.iter().flatten()) {
             prop_assert_eq!(a.to_bits(), b.to_bits());
         }
@@ -93,6 +93,11 @@ fn wrong_headers_are_refused_with_what_is_accepted() {
         ("[0.0, -0.0, 0.0]", "[0.0, 0.0]", ["coefficient 0", "three"]),
         (
             "\"window\": \"none\"",
+            "\"window\": \"auto\"",
+            ["window", "auto"],
+        ),
+        (
+            "\"window\": \"none\"",
             "\"window\": \"hann:-1\"",
             ["window", "hann:-1"],
         ),
@@ -114,7 +119,7 @@ fn wrong_headers_are_refused_with_what_is_accepted() {
     }
 }
 
-/// A positive delta rings; `auto` records the cutoff that stopped it, and nothing when nothing rang.
+/// A positive delta rings; `auto` records the width that stopped it, and nothing when nothing rang.
 #[test]
 fn windows_are_applied_and_recorded() {
     let order = Order::new(5).unwrap();
@@ -123,15 +128,15 @@ fn windows_are_applied_and_recorded() {
         order,
         delta.iter().map(|&value| [value as f32; 3]).collect(),
     );
-    let none = LightFile::windowed(&light, WindowChoice::None).unwrap();
-    assert_eq!((&none.light, none.window), (&light, None));
+    let none = LightFile::windowed(&light, WindowChoice::default()).unwrap();
+    assert_eq!((&none.light, none.window), (&light, Window::None));
     let hann = LightFile::windowed(&light, WindowChoice::Hann).unwrap();
-    assert_eq!(hann.window, Some(5.0));
+    assert_eq!(hann.window, Window::Hann(5.0));
     // ½(1 + cos(π/5)) of degree 1.
     let expected = light.coefficients()[2][0] * (0.5 * (1.0 + (std::f32::consts::PI / 5.0).cos()));
     assert!((hann.light.coefficients()[2][0] - expected).abs() < 1e-6);
-    let auto = LightFile::windowed(&light, WindowChoice::Auto).unwrap();
-    assert!(auto.window.is_some());
+    let auto = LightFile::windowed(&light, WindowChoice::Window(Window::Auto)).unwrap();
+    assert!(matches!(auto.window, Window::Gauss(_)), "{}", auto.window);
     for i in 0..200 {
         let angle = f64::from(i) * std::f64::consts::PI / 199.0;
         let d = glam::DVec3::new(angle.sin(), 0.0, angle.cos());
@@ -139,13 +144,13 @@ fn windows_are_applied_and_recorded() {
     }
     let read = LightFile::from_json(auto.to_json().as_bytes()).unwrap();
     assert_eq!(read, auto);
-    let plain = hann.to_json().replace("hann:5.0", "hann");
+    let plain = hann.to_json().replace("hann:5", "hann");
     assert_eq!(LightFile::from_json(plain.as_bytes()), Ok(hann));
     let constant = ShLight::new(Order::new(1).unwrap(), vec![[1.0; 3]]);
     assert_eq!(
-        LightFile::windowed(&constant, WindowChoice::Auto)
+        LightFile::windowed(&constant, WindowChoice::Window(Window::Auto))
             .unwrap()
             .window,
-        None
+        Window::None
     );
 }

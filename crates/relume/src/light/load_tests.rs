@@ -28,7 +28,7 @@ fn files_are_known_by_content_not_by_name() {
     let json = folder.path().join("light.hdr");
     let file = LightFile {
         light,
-        window: None,
+        window: crate::basis::Window::None,
     };
     std::fs::write(&json, format!("\u{feff} {}", file.to_json())).unwrap();
     let (read, _) = load(&spec(&json), &LightOptions::default()).unwrap();

@@ -264,3 +264,32 @@ fn lookups_interpolate_without_seams() {
         }
     }
 }
+
+#[cfg(feature = "bake")]
+#[test]
+fn projection_has_the_same_bits_on_any_number_of_threads() {
+    let order = Order::new(5).unwrap();
+    for layout in Layout::ALL {
+        let (width, height) = match layout {
+            Layout::LatLong => (40, 20),
+            Layout::Angular => (40, 40),
+            Layout::VCross => (30, 40),
+            Layout::HCross => (40, 30),
+        };
+        let pixels = (0..width * height)
+            .map(|i| {
+                [
+                    (i * 37 % 101) as f32 / 7.0,
+                    (i * 53 % 97) as f32,
+                    1.0 / (i + 1) as f32,
+                ]
+            })
+            .collect();
+        let map = map(layout, width, height, pixels);
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.unwrap().install(|| project(&map, order))
+        };
+        assert_eq!(on(1), on(7));
+    }
+}

@@ -22,6 +22,7 @@ mod map;
 mod pfm;
 mod project;
 #[cfg(test)]
+#[cfg(feature = "images")]
 mod published_tests;
 mod sky;
 mod spec;

@@ -172,7 +172,7 @@ impl Sky {
     }
 }
 
-/// A…E of the distributions of luminance and chromaticity [preetham1999, appendix A.2].
+/// A…E of the distributions of luminance and chromaticity [preetham1999, appendix].
 fn perez(t: f64) -> [[f64; 5]; 3] {
     [
         [
@@ -200,7 +200,7 @@ fn perez(t: f64) -> [[f64; 5]; 3] {
 }
 
 /// Luminance (in units of [`SKY_UNIT`]) and chromaticity x, y of the zenith when the sun is `theta` from it
-/// [preetham1999, appendix A.2].
+/// [preetham1999, appendix].
 fn zenith(t: f64, theta: f64) -> [f64; 3] {
     let chi = (4.0 / 9.0 - t / 120.0) * (PI - 2.0 * theta);
     let luminance = (4.0453 * t - 4.9710) * libm::tan(chi) - 0.2155 * t + 2.4192;
@@ -215,7 +215,7 @@ fn zenith(t: f64, theta: f64) -> [f64; 3] {
 }
 
 /// F = (1 + A e^(B / cos θ)) (1 + C e^(D γ) + E cos² γ), at `cosine` = cos θ from the zenith and γ from the sun
-/// [preetham1999, eq. 3].
+/// (Perez's form, as [preetham1999] uses it).
 fn distribution(&[a, b, c, d, e]: &[f64; 5], cosine: f64, gamma: f64) -> f64 {
     // B < 0: toward the horizon the first exponential vanishes.
     let horizon = if cosine > 0.0 {

@@ -3,54 +3,50 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::basis::{Order, Window};
+use crate::basis::{Order, Window, WindowError};
 
-use super::error::SpecError;
-
-/// What to do against ringing, by the names of the command line.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// What to do against ringing, by the names of the command line: those of [`Window`], and `hann` alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WindowChoice {
-    /// `none`: the coefficients as they are.
-    #[default]
-    None,
-    /// `hann`: the Hann window whose cutoff is the order.
+    /// `hann`: the Hann window whose cutoff is the order of the light.
     Hann,
-    /// `auto`: the weakest Hann window after which no radiance is negative; none if none is needed.
-    Auto,
+    /// This one, whatever the order.
+    Window(Window),
 }
 
 impl WindowChoice {
     /// The window for a light of this order.
     pub fn window(self, order: Order) -> Window {
         match self {
-            Self::None => Window::None,
             Self::Hann => Window::Hann(order.get() as f64),
-            Self::Auto => Window::Auto,
+            Self::Window(window) => window,
         }
+    }
+}
+
+impl Default for WindowChoice {
+    fn default() -> Self {
+        Self::Window(Window::None)
     }
 }
 
 impl fmt::Display for WindowChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::None => "none",
-            Self::Hann => "hann",
-            Self::Auto => "auto",
-        })
+        match self {
+            Self::Hann => f.write_str("hann"),
+            Self::Window(window) => window.fmt(f),
+        }
     }
 }
 
 impl FromStr for WindowChoice {
-    type Err = SpecError;
+    type Err = WindowError;
 
-    fn from_str(text: &str) -> Result<Self, SpecError> {
-        [Self::None, Self::Hann, Self::Auto]
-            .into_iter()
-            .find(|choice| choice.to_string() == text)
-            .ok_or_else(|| SpecError::Form {
-                text: text.to_owned(),
-                form: "none, hann or auto",
-            })
+    fn from_str(text: &str) -> Result<Self, WindowError> {
+        match text {
+            "hann" => Ok(Self::Hann),
+            _ => text.parse().map(Self::Window),
+        }
     }
 }
 
@@ -60,9 +56,12 @@ mod tests {
 
     #[test]
     fn names_go_both_ways() {
-        for name in ["none", "hann", "auto"] {
+        for name in ["none", "hann", "auto", "hann:4.5", "gauss:0.25"] {
             assert_eq!(name.parse::<WindowChoice>().unwrap().to_string(), name);
         }
         assert!("lanczos".parse::<WindowChoice>().is_err());
+        assert_eq!("none".parse(), Ok(WindowChoice::default()));
+        let order = Order::new(7).unwrap();
+        assert_eq!(WindowChoice::Hann.window(order), Window::Hann(7.0));
     }
 }

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::error::check_totals;
-use super::{AlphaMode, Instance, Mesh, Scene, SceneError, normals};
+use super::{AlphaMode, Mesh, Scene, SceneError, normals};
 use crate::files::printable;
 
 /// What was repaired while importing, over all meshes, so that it is said once.
@@ -48,8 +48,7 @@ impl Repairs {
     pub(super) fn scene(mut self, scene: &mut Scene) -> Result<(), SceneError> {
         for material in &mut scene.materials {
             for channel in &mut material.base_color {
-                // NaN becomes 0.
-                let clamped = channel.max(0.0).min(1.0);
+                let clamped = channel.clamp(0.0, 1.0);
                 self.clamped |= clamped != *channel;
                 *channel = clamped;
             }
@@ -83,7 +82,7 @@ impl Repairs {
 #[cfg(feature = "import")]
 pub(super) fn place(scene: &mut Scene, mesh: Mesh) {
     scene.meshes.push(mesh);
-    scene.instances.push(Instance {
+    scene.instances.push(super::Instance {
         mesh: 0,
         node: 0,
         primitive: 0,
@@ -159,7 +158,7 @@ pub fn override_albedo(scene: &mut Scene, albedo: [f32; 3]) -> Result<(), SceneE
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Group, Material, Sampler, Texture};
+    use super::super::{Group, Instance, Material, Sampler, Texture};
     use super::*;
 
     fn triangle() -> Mesh {

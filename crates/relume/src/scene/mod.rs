@@ -20,7 +20,8 @@ mod ply;
 #[cfg(feature = "import")]
 mod resolve;
 mod tessellate;
-#[cfg(all(test, feature = "import"))]
+#[cfg(test)]
+#[cfg(feature = "import")]
 mod tests;
 mod world;
 
@@ -46,7 +47,8 @@ pub struct Scene {
     pub instances: Vec<Instance>,
     /// The glTF document this came from, kept so that the asset can give it back untouched. `None` for OBJ, PLY and built scenes.
     pub document: Option<Document>,
-    /// SHA-256 of the source file's bytes in lower-case hex; empty for scenes built in memory.
+    /// SHA-256, in lower-case hex, of the source file's bytes and then those of every file it refers to, in the order of reference; empty for
+    /// scenes built in memory.
     pub source_hash: String,
     /// The linear albedo that [`override_albedo`] gave to everything, which the document does not know of.
     pub albedo_override: Option<[f32; 3]>,

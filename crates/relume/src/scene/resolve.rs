@@ -153,11 +153,8 @@ fn check_relative(path: &str) -> Result<(), &'static str> {
     for part in path.split('/') {
         match part {
             "" | "." => {}
-            ".." => {
-                depth = depth
-                    .checked_sub(1)
-                    .ok_or("leads out of the scene's folder")?
-            }
+            ".." if depth == 0 => return Err("leads out of the scene's folder"),
+            ".." => depth -= 1,
             _ => depth += 1,
         }
     }

@@ -1,7 +1,7 @@
 //! Real files, where they are at hand.
 
 use super::*;
-use crate::scene::{ImportOptions, load};
+use crate::scene::{ImportOptions, load, tessellate};
 use crate::test_data::shared_or_skip;
 
 /// The asset of a real file with made-up transfer.
@@ -82,6 +82,30 @@ fn files_without_a_document_come_back_in_their_own_order() {
         let read = from_glb(&output).unwrap();
         assert_eq!(read.transfer, asset.transfer);
         assert!(read.transfer.vertex_count() >= vertices);
+        assert_same_world(&read.scene, &asset.scene);
+        assert_eq!(glb(&read), output);
+    }
+}
+
+#[test]
+fn real_files_come_back_with_split_triangles() {
+    let test = "real_files_come_back_with_split_triangles";
+    for (path, max_edge) in [
+        ("meshes/cornell_box.obj", 100.0),
+        ("meshes/avocado.glb", 0.003),
+        ("meshes/domed_building.glb", 3.0),
+    ] {
+        let Some((Asset { scene, .. }, _)) = asset(test, path) else {
+            return;
+        };
+        let scene = tessellate(&scene, max_edge).unwrap();
+        let transfer = samples::transfer(scene.vertex_count(), 2, 1, None);
+        let asset = Asset { scene, transfer };
+        let output = glb(&asset);
+        let read = from_glb(&output).unwrap();
+        assert_eq!(read.transfer, asset.transfer);
+        let added = describe(&read).vertices - describe(&read).input_vertices;
+        assert!(added > 100, "{path}: {added}");
         assert_same_world(&read.scene, &asset.scene);
         assert_eq!(glb(&read), output);
     }

@@ -26,19 +26,20 @@ pub struct Meeting {
     pub front: bool,
 }
 
-/// Bound of the rounding error of `d · ((p−q) × (p+q))` in units of |p−q||p+q|, for |d| = 1.
+/// Bound of the rounding error of `d · ((p−q) × (p+q))` in units of |p−q|₁ |p+q|₁, for |d| = 1.
 ///
 /// Each component of the cross product is off by at most 3 half-ulps of its terms, the sum of three products by 3 more, and p − q and
-/// p + q by one each; 16 half-ulps (2⁻²⁴) cover that and the norm inequalities.
+/// p + q by one each; 16 half-ulps (2⁻²⁴) cover that. Sums of absolute values bound the lengths without a square root.
 const DOUBT: f32 = 16.0 / (1 << 24) as f32;
 
 impl Relative {
-    pub fn new(corners: [Vec3; 3], origin: Vec3) -> Self {
-        let [a, b, c] = corners.map(|p| p - origin);
-        let pairs = [(b, c), (c, a), (a, b)];
+    #[inline(always)]
+    pub fn new([a, b, c]: [Vec3; 3], origin: Vec3) -> Self {
+        let (a, b, c) = (a - origin, b - origin, c - origin);
+        let (bc, ca, ab) = (Edge::new(b, c), Edge::new(c, a), Edge::new(a, b));
         Self {
-            edges: pairs.map(|(p, q)| (p - q).cross(p + q)),
-            doubts: pairs.map(|(p, q)| DOUBT * (p - q).length() * (p + q).length()),
+            edges: [bc.vector, ca.vector, ab.vector],
+            doubts: [bc.doubt, ca.doubt, ab.doubt],
             corners: [a, b, c],
         }
     }
@@ -48,9 +49,10 @@ impl Relative {
     /// Products of two f32 are exact in f64, so signs are right to 2⁻⁵⁰; an edge function that is 0 even so counts as inside.
     pub fn intersect(&self, direction: Vec3) -> Option<Meeting> {
         let d = direction.as_dvec3();
-        let [a, b, c] = self.corners.map(Vec3::as_dvec3);
+        let [a, b, c] = self.corners;
+        let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
         let edge = |p: DVec3, q: DVec3| d.dot((p - q).cross(p + q));
-        let [e, f, g] = [edge(b, c), edge(c, a), edge(a, b)];
+        let (e, f, g) = (edge(b, c), edge(c, a), edge(a, b));
         let inside = (e >= 0.0 && f >= 0.0 && g >= 0.0) || (e <= 0.0 && f <= 0.0 && g <= 0.0);
         let sum = e + f + g;
         if !inside || sum == 0.0 {
@@ -65,5 +67,23 @@ impl Relative {
             v: (g / sum) as f32,
             front: along < 0.0,
         })
+    }
+}
+
+/// The edge function from p to q.
+struct Edge {
+    vector: Vec3,
+    doubt: f32,
+}
+
+impl Edge {
+    #[inline(always)]
+    fn new(p: Vec3, q: Vec3) -> Self {
+        let (along, across) = (p - q, p + q);
+        let size = |v: Vec3| v.x.abs() + v.y.abs() + v.z.abs();
+        Self {
+            vector: along.cross(across),
+            doubt: DOUBT * size(along) * size(across),
+        }
     }
 }

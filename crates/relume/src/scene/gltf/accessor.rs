@@ -222,7 +222,7 @@ impl<'a> Data<'a> {
             }
         };
         if let Some(sparse) = &accessor.sparse {
-            self.replace_sparse(&mut values, sparse, (size, &decode), place)?;
+            self.replace_sparse(&mut values, sparse, size, &decode, place)?;
         }
         Ok(values)
     }
@@ -231,7 +231,8 @@ impl<'a> Data<'a> {
         &self,
         values: &mut [T],
         sparse: &Sparse,
-        (size, decode): (usize, &dyn Fn(&[u8]) -> T),
+        size: usize,
+        decode: impl Fn(&[u8]) -> T,
         place: &str,
     ) -> Result<(), SceneError> {
         let component = Component::new(sparse.indices.component_type, place)?;

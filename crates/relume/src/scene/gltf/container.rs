@@ -63,7 +63,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<Glb, SceneError> {
         }
         let chunk = &bytes[start..end];
         match (index, kind) {
-            (0, JSON) => glb.json = parse(chunk)?,
+            (0, JSON) => glb.json = parse(without_padding(chunk))?,
             (0, _) => return Err(bad("its first chunk is not JSON".to_owned())),
             (1, BIN) => glb.bin = Some(chunk.to_vec()),
             _ => glb.ignored_chunks += 1,
@@ -76,6 +76,14 @@ pub(super) fn split(bytes: &[u8]) -> Result<Glb, SceneError> {
         return Err(bad("has no JSON chunk".to_owned()));
     }
     Ok(glb)
+}
+
+/// Spaces are the padding of JSON chunks; some writers use zeros.
+fn without_padding(mut chunk: &[u8]) -> &[u8] {
+    while let [head @ .., 0 | b' '] = chunk {
+        chunk = head;
+    }
+    chunk
 }
 
 /// Parses a glTF JSON text, with or without a byte-order mark.

@@ -55,10 +55,9 @@ fn check(obj: &Obj) -> Result<(), SceneError> {
         }
         start = face.end;
     }
-    // Each corner makes at most one vertex; a polygon has two triangles less than corners.
-    let corners = obj.corners.len();
-    let vertices = obj.positions.len() as u64 + corners as u64;
-    check_totals(vertices, (corners - 2 * obj.faces.len()) as u64)
+    // A polygon has two triangles less than corners. Seams are counted with all else at the end: a file of 4 GiB cannot hold too many for 32 bits.
+    let triangles = obj.corners.len() - 2 * obj.faces.len();
+    check_totals(obj.positions.len() as u64, triangles as u64)
 }
 
 /// Which corner each vertex stands for.

@@ -27,7 +27,7 @@ pub(in super::super) fn triangulate(
     triangles.extend(fan.map(|pair| [corners[0], pair[0], pair[1]]));
 }
 
-/// The corners on the coordinate plane that their area vector [newell] faces most, counter-clockwise.
+/// The corners on the coordinate plane that their area vector (the sum of cross products around the polygon) faces most, counter-clockwise.
 fn project(positions: &[Vec3], corners: &[u32]) -> Vec<DVec2> {
     let at = |i: usize| positions[corners[i % corners.len()] as usize].as_dvec3();
     let origin = at(0);

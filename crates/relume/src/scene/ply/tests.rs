@@ -143,7 +143,7 @@ fn headers_are_not_believed() {
             "element vertex 2\n",
             face,
             "3 0 0 0\n0 0 0\n",
-            "header announces",
+            "Unexpected end of file",
         ),
         (
             "element vertex 1\n",
@@ -180,10 +180,30 @@ fn headers_are_not_believed() {
         assert!(message.contains(expected), "{message}");
         assert!(!message.contains(['\n', '\t']), "{message}");
     }
+}
+
+#[test]
+fn what_is_cut_off_or_no_mesh_is_refused() {
     let cut = &binary(false)[..binary(false).len() - 3];
     let message = read(cut).unwrap_err().to_string();
     assert!(message.contains("Unexpected end of file"), "{message}");
     assert!(read(b"ply\nformat ascii 1.0\nend_header\n").is_err());
     assert!(read(b"ply\nformat middle_endian 1.0\nend_header\n").is_err());
     assert!(read(b"ply\n").is_err());
+}
+
+#[test]
+fn every_cut_and_flipped_byte_is_an_error_or_a_mesh() {
+    for good in [ascii(), binary(false)] {
+        for at in 0..good.len() {
+            let _ = read(&good[..at]);
+            for flip in [1u8, 0x10, 0x80] {
+                let mut bad = good.clone();
+                bad[at] ^= flip;
+                if let Err(error) = read(&bad) {
+                    assert!(!error.to_string().contains('\n'), "{error}");
+                }
+            }
+        }
+    }
 }

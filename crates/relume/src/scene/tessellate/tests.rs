@@ -359,3 +359,19 @@ fn real_meshes_are_judged_coarse_or_fine() {
         }
     }
 }
+
+#[cfg(feature = "import")]
+#[test]
+fn a_real_closed_mesh_stays_closed() {
+    let test = "a_real_closed_mesh_stays_closed";
+    let path = crate::test_data::shared_or_skip(test, "meshes/armadillo_10k.ply");
+    let Some(path) = path else { return };
+    let scene = super::super::load(&path, &Default::default()).unwrap();
+    let before = World::new(&scene);
+    let after = World::new(&tessellate(&scene, 0.012).unwrap());
+    assert!(after.triangles.len() > 2 * before.triangles.len());
+    assert!(edge_balance(&after).values().all(|&n| n == 0));
+    assert!(longest(&after) <= 0.012 * (1.0 + 1e-5));
+    let (a, b) = (total_area(&before), total_area(&after));
+    assert!((a - b).abs() < 1e-6 * a, "{a} became {b}");
+}

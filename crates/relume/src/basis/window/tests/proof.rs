@@ -11,12 +11,6 @@ use glam::DVec3;
 
 use crate::basis::{Order, Quadrature, project::square, sh::Evaluator};
 
-/// The largest |f| that an expansion with coefficients of this length can reach: ‖c‖ n/√4π.
-pub fn bound(coefficients: &[f64]) -> f64 {
-    let order = square(coefficients.len()).get();
-    norm(coefficients) * order as f64 / (4.0 * PI).sqrt()
-}
-
 /// Whether `f ≥ floor` everywhere. True is certain; false means that f goes below the floor, or so close to it that triangles in
 /// which it varies by less than `resolution` did not tell.
 pub fn at_least(coefficients: &[f64], floor: f64, resolution: f64) -> bool {
@@ -126,7 +120,8 @@ mod tests {
         // 3z² − 1 has its minimum −1 on the equator, z³ its own −1 at a pole, and z⁴ touches 0.
         let quadrature = Quadrature::new(12);
         let order = Order::new(5).unwrap();
-        let functions: [(fn(DVec3) -> f64, f64); 4] = [
+        type Function = fn(DVec3) -> f64;
+        let functions: [(Function, f64); 4] = [
             (|d| 3.0 * d.z * d.z - 1.0, -1.0),
             (|d| d.z * d.z * d.z, -1.0),
             (|d| (d.z - 0.3) * (d.z - 0.3), 0.0),
@@ -167,7 +162,7 @@ mod tests {
             let h = 1e-4;
             let mut at = |t: f64| expansion.at(a * t.cos() + b * t.sin());
             let (left, middle, right) = (at(-h), at(0.0), at(h));
-            assert!(middle.abs() <= bound(&c));
+            assert!(middle.abs() <= super::super::bound(&c));
             let second = (left - 2.0 * middle + right) / (h * h);
             assert!(second.abs() <= expansion.curvature);
         }

@@ -1,0 +1,299 @@
+//! The program as people use it: what it writes, what it says, how it exits.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use tempfile::TempDir;
+
+/// A folder with a small scene in it, and the program run there.
+struct Bench {
+    folder: TempDir,
+}
+
+/// A box over a floor: shadows, two materials, a few vertices.
+const SCENE: &str = "\
+mtllib scene.mtl
+v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2
+v -0.5 0.2 -0.5\nv -0.5 0.2 0.5\nv 0.5 0.2 0.5\nv 0.5 0.2 -0.5
+v -0.5 1.2 -0.5\nv -0.5 1.2 0.5\nv 0.5 1.2 0.5\nv 0.5 1.2 -0.5
+usemtl floor
+f 1 2 3 4
+usemtl red
+f 9 10 11 12\nf 5 8 7 6\nf 5 6 10 9\nf 6 7 11 10\nf 7 8 12 11\nf 8 5 9 12
+";
+const MATERIALS: &str = "newmtl floor\nKd 0.8 0.8 0.8\nnewmtl red\nKd 0.8 0.1 0.1\n";
+
+impl Bench {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("scene.obj"), SCENE).unwrap();
+        fs::write(folder.path().join("scene.mtl"), MATERIALS).unwrap();
+        Self { folder }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn command(&self, line: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_relume"));
+        command
+            .args(line.split_whitespace())
+            .current_dir(self.folder.path())
+            .stdin(Stdio::null());
+        command
+    }
+
+    fn run(&self, line: &str) -> Output {
+        self.command(line).output().unwrap()
+    }
+
+    /// Runs a line that has to succeed; what it says on stdout and stderr.
+    fn succeed(&self, line: &str) -> (String, String) {
+        let output = self.run(line);
+        let [out, err] =
+            [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
+        assert!(output.status.success(), "relume {line}\n{out}{err}");
+        (out, err)
+    }
+
+    /// Runs a line that has to fail with `status`, having said one line on stderr and nothing on stdout; that line.
+    fn fail(&self, status: i32, line: &str) -> String {
+        let before = self.names();
+        let output = self.run(line);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(status), "relume {line}\n{error}");
+        assert!(
+            output.stdout.is_empty() && error.starts_with("error: "),
+            "relume {line}\n{error}"
+        );
+        if status == 1 {
+            assert_eq!(error.lines().count(), 1, "relume {line}\n{error}");
+        }
+        assert_eq!(self.names(), before, "relume {line} left something behind");
+        error
+    }
+
+    fn names(&self) -> Vec<String> {
+        names(self.folder.path())
+    }
+
+    fn bake(&self, name: &str, flags: &str) {
+        self.succeed(&format!(
+            "bake scene.obj -o {name} --samples 64 --max-edge 0.5 {flags}"
+        ));
+    }
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_model_is_baked_relit_and_looked_at() {
+    let bench = Bench::new();
+    bench.bake("baked.glb", "--bounces 1");
+    let (_, said) = bench.succeed("light sky:40,3 -o light.json --window auto --rotate 0,1,0:30");
+    assert!(said.contains("wrote light.json"));
+    bench.succeed("shade baked.glb --light light.json -o radiance.npz");
+    bench.succeed("export baked.glb -o transfer.npz");
+    bench.succeed(
+        "render baked.glb --light sky:40,3 -o look.png --size 64x48 --samples-per-pixel 1",
+    );
+    bench.succeed("render baked.glb --light light.json -o look.exr --size 64x48 --eye 3,2,3 --target 0,0,0 --fov 50");
+    let (table, _) =
+        bench.succeed("compare baked.glb --light light.json --vertices 20 --paths 4096");
+    assert!(
+        table.contains("relative RMS error") && table.contains("bias"),
+        "{table}"
+    );
+    for (name, magic) in [
+        ("look.png", &b"\x89PNG"[..]),
+        ("look.exr", b"v/1\x01"),
+        ("radiance.npz", b"PK"),
+        ("transfer.npz", b"PK"),
+    ] {
+        assert!(
+            fs::read(bench.path(name)).unwrap().starts_with(magic),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn info_tells_assets_scenes_and_lights_apart() {
+    let bench = Bench::new();
+    bench.bake("baked.glb", "");
+    bench.succeed("light constant:1,1,1 -o light.json --order 3");
+    assert!(bench.succeed("info scene.obj").0.contains("not baked yet"));
+    assert!(bench.succeed("info light.json").0.contains("order 3"));
+    let about_asset = bench.succeed("info baked.glb").0;
+    assert!(
+        about_asset.contains("order") && about_asset.contains("vertices"),
+        "{about_asset}"
+    );
+}
+
+#[test]
+fn threads_do_not_change_the_asset() {
+    let bench = Bench::new();
+    bench.bake("one.glb", "--bounces 2 --threads 1");
+    bench.bake("three.glb", "--bounces 2 --threads 3");
+    assert!(fs::read(bench.path("one.glb")).unwrap() == fs::read(bench.path("three.glb")).unwrap());
+}
+
+#[test]
+fn sweeps_are_numbered_frames() {
+    let bench = Bench::new();
+    bench.bake("baked.glb", "");
+    for sweep in ["light", "camera"] {
+        bench.succeed(&format!(
+            "render baked.glb --light sun:1,1,0,20,9,9,9 -o {sweep}_%02d.png --frames 3 --sweep {sweep} --size 16x16"
+        ));
+        let frames: Vec<Vec<u8>> = (0..3)
+            .map(|i| fs::read(bench.path(&format!("{sweep}_0{i}.png"))).unwrap())
+            .collect();
+        assert!(
+            frames[0] != frames[1] && frames[1] != frames[2],
+            "{sweep} does not move"
+        );
+    }
+}
+
+#[test]
+fn a_coarse_mesh_is_told_about_the_flag_and_a_split_one_is_not() {
+    let bench = Bench::new();
+    let (_, warned) = bench.succeed("bake scene.obj -o coarse.glb --samples 16");
+    assert!(
+        warned.contains("warning") && warned.contains("--max-edge"),
+        "{warned}"
+    );
+    let (_, quiet) = bench.succeed("bake scene.obj -o fine.glb --samples 16 --max-edge auto");
+    assert!(!quiet.contains("warning"), "{quiet}");
+}
+
+#[test]
+fn what_the_command_line_shows_to_be_wrong_exits_with_2() {
+    let bench = Bench::new();
+    for line in [
+        "bake scene.obj",
+        "bake scene.obj -o a.glb --order 33",
+        "bake scene.obj -o a.glb --samples 0",
+        "bake scene.obj -o a.glb --albedo 2,0,0",
+        "bake scene.obj -o a.glb --max-edge -1",
+        "bake scene.obj -o a.glb --no-shadows --bounces 2",
+        "bake scene.obj -o a.glb --threads 0",
+        "light sun:1,2 -o l.json",
+        "light constant:NaN,0,0 -o l.json",
+        "light sky:40,3 -o l.json --rotate up:90",
+        "render a.glb --light sky:40,3 -o p.png --size 0x0",
+        "render a.glb --light sky:40,3 -o p.png --frames 3",
+        "unknown",
+    ] {
+        bench.fail(2, line);
+    }
+}
+
+#[test]
+fn inputs_that_are_wrong_exit_with_1_and_one_line() {
+    let bench = Bench::new();
+    bench.bake("baked.glb", "");
+    fs::write(bench.path("text.glb"), "not a glb").unwrap();
+    fs::write(bench.path("empty.obj"), "v 0 0 0\n").unwrap();
+    fs::write(bench.path("broken.json"), "{\"basis\": \"sh\"").unwrap();
+    fs::write(bench.path("noise.hdr"), [7_u8; 64]).unwrap();
+    for (line, part) in [
+        ("bake missing.obj -o a.glb", "missing.obj"),
+        ("bake text.glb -o a.glb", "text.glb"),
+        ("bake empty.obj -o a.glb", "nothing to bake"),
+        ("bake scene.obj -o a.npz", ".glb"),
+        ("bake scene.obj -o nowhere/a.glb", "no such folder"),
+        ("shade text.glb --light sky:40,3 -o r.npz", "text.glb"),
+        ("shade baked.glb --light noise.hdr -o r.npz", "noise.hdr"),
+        (
+            "shade baked.glb --light broken.json -o r.npz",
+            "broken.json",
+        ),
+        (
+            "shade baked.glb --light missing.hdr -o r.npz",
+            "missing.hdr",
+        ),
+        ("export baked.glb -o t.csv", ".npz"),
+        ("render baked.glb --light sky:40,3 -o p.jpg", ".png"),
+        (
+            "render baked.glb --light sky:40,3 -o p.png --frames 2 --sweep light",
+            "%04d",
+        ),
+        (
+            "render baked.glb --light sky:40,3 -o p.png --eye 0,0,0 --target 0,0,0",
+            "eye",
+        ),
+        ("info missing.glb", "missing.glb"),
+    ] {
+        let error = bench.fail(1, line);
+        assert!(error.contains(part), "relume {line}\n{error}");
+    }
+}
+
+#[test]
+fn inputs_are_not_written_over() {
+    let bench = Bench::new();
+    bench.bake("baked.glb", "");
+    bench.succeed("light constant:1,1,1 -o light.json");
+    for line in [
+        "bake baked.glb -o baked.glb",
+        "bake baked.glb -o ./baked.glb",
+        "light light.json -o light.json",
+    ] {
+        assert!(bench.fail(1, line).contains("is an input"), "{line}");
+    }
+}
+
+#[test]
+fn every_help_page_shows_examples() {
+    let bench = Bench::new();
+    assert!(bench.succeed("--help").0.contains("Examples:"));
+    for verb in [
+        "demo", "bake", "light", "shade", "render", "compare", "export",
+    ] {
+        let (page, _) = bench.succeed(&format!("{verb} --help"));
+        assert!(
+            page.contains(&format!("relume {verb}")),
+            "{verb} has no example"
+        );
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_bake_exits_with_130_and_leaves_nothing() {
+    let bench = Bench::new();
+    let before = bench.names();
+    let mut child = bench
+        .command("bake scene.obj -o a.glb --samples 4000000 --max-edge 0.1 --bounces 8")
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The size is said right before the bake begins, long after Ctrl-C is listened for.
+    let mut said = String::new();
+    let mut lines = std::io::BufReader::new(child.stderr.take().unwrap());
+    while !said.contains("on disk") {
+        let read = std::io::BufRead::read_line(&mut lines, &mut said).unwrap();
+        assert!(read > 0, "the bake ended by itself: {said}");
+    }
+    let kill = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(kill.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(bench.names(), before);
+}
