@@ -48,32 +48,36 @@ impl Camera {
     /// Field of view of the default camera, degrees.
     const DEFAULT_FOV: f32 = 35.0;
 
-    /// A three-quarter view, from the front (+z), right and above, that fits the bounds of `world` into a picture of `aspect`
+    /// A three-quarter view, from the front (+z), right and above, that fits everything triangles use into a picture of `aspect`
     /// (width / height) with a small margin. A world without triangles is taken for a unit cube.
     pub fn framing(world: &World, aspect: f32) -> Self {
-        let (low, high) = world
-            .bounds()
-            .unwrap_or((Vec3::splat(-0.5), Vec3::splat(0.5)));
-        let (low, high) = (low.as_dvec3(), high.as_dvec3());
-        let centre = (low + high) / 2.0;
+        let used = world.triangles.iter().flatten();
+        let mut points: Vec<DVec3> = used
+            .map(|&i| world.positions[i as usize].as_dvec3())
+            .collect();
+        if points.is_empty() {
+            let corner = |i: i32| DVec3::new((i & 1).into(), (i >> 1 & 1).into(), (i >> 2).into());
+            points.extend((0..8).map(|i| corner(i) - 0.5));
+        }
         let backward = DVec3::new(0.5, 0.4, 0.8).normalize();
         let right = DVec3::Y.cross(backward).normalize();
         let up = backward.cross(right);
         let half_height = libm::tan(f64::from(Self::DEFAULT_FOV).to_radians() / 2.0) / 1.06;
         let half_width = half_height * f64::from(aspect).clamp(1e-3, 1e3);
-        // Far enough that every corner of the box falls inside the picture.
-        let mut distance = 0.0_f64;
-        for corner in 0..8 {
-            let pick = |axis: usize| if corner >> axis & 1 == 0 { low } else { high }[axis];
-            let p = DVec3::new(pick(0), pick(1), pick(2)) - centre;
-            let aside = (p.dot(right).abs() / half_width).max(p.dot(up).abs() / half_height);
-            distance = distance.max(p.dot(backward) + aside);
-        }
-        // A world of a single point still needs somewhere to stand.
-        let distance = distance.max(1e-3 + 1e-5 * centre.length());
+        let (aside, from_width) = fit(&points, right, backward, half_width);
+        let (above, from_height) = fit(&points, up, backward, half_height);
+        let depths = points.iter().map(|p| p.dot(backward));
+        let (far, near) = depths.fold((f64::INFINITY, f64::NEG_INFINITY), |(far, near), d| {
+            (far.min(d), near.max(d))
+        });
+        // Even a world of a single point needs somewhere to stand.
+        let away = from_width.max(from_height);
+        let away = away.max(near + 1e-3 + 1e-5 * points[0].length());
+        let middle = (far + near) / 2.0;
+        let target = right * aside + up * above + backward * middle;
         Self {
-            eye: (centre + backward * distance).as_vec3(),
-            target: centre.as_vec3(),
+            eye: (target + backward * (away - middle)).as_vec3(),
+            target: target.as_vec3(),
             up: Vec3::Y,
             fov_vertical_deg: Self::DEFAULT_FOV,
         }
@@ -111,6 +115,19 @@ impl Camera {
     }
 }
 
+/// The eye's place along `across`, and the least one along `backward`, from which all points lie within ±`half` (a tangent) of the view.
+///
+/// A point p is inside the edge on the high side when p·across + half p·backward ≤ eye·across + half eye·backward, and likewise on the low
+/// side: the tightest point of each side gives two equations for the two unknowns.
+fn fit(points: &[DVec3], across: DVec3, backward: DVec3, half: f64) -> (f64, f64) {
+    let reach = |sign: f64| {
+        let edge = |p: &DVec3| sign * p.dot(across) + half * p.dot(backward);
+        points.iter().map(edge).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let (high, low) = (reach(1.0), reach(-1.0));
+    ((high - low) / 2.0, (high + low) / (2.0 * half))
+}
+
 impl PixelRays {
     /// Where every ray starts.
     pub fn eye(&self) -> Vec3 {
@@ -145,32 +162,32 @@ mod tests {
     }
 
     #[test]
-    fn the_default_camera_sees_every_corner_of_the_bounds_and_wastes_little() {
-        let mut world = World::default();
-        world.positions = vec![
-            Vec3::new(-3.0, 0.0, -1.0),
-            Vec3::new(5.0, 0.5, 0.0),
-            Vec3::new(0.0, 2.0, 1.0),
-        ];
-        world.triangles = vec![[0, 1, 2]];
+    fn the_default_camera_sees_everything_and_wastes_little() {
+        let world = World {
+            positions: vec![
+                Vec3::new(-3.0, 0.0, -1.0),
+                Vec3::new(5.0, 0.5, 0.0),
+                Vec3::new(0.0, 2.0, 1.0),
+            ],
+            triangles: vec![[0, 1, 2]],
+            ..World::default()
+        };
         for aspect in [0.5_f32, 1.0, 16.0 / 9.0] {
             let camera = Camera::framing(&world, aspect);
             let (width, height) = ((1000.0 * aspect) as u32, 1000);
             let rays = camera.pixel_rays(width, height).unwrap();
-            let (low, high) = world.bounds().unwrap();
             let mut farthest = 0.0_f64;
-            for i in 0..8 {
-                let pick = |axis: usize| if i >> axis & 1 == 0 { low } else { high }[axis];
-                let p = Vec3::new(pick(0), pick(1), pick(2)) - camera.eye;
+            for &p in &world.positions {
                 let middle = rays.corner
                     + rays.right * f64::from(width) / 2.0
                     + rays.down * f64::from(height) / 2.0;
-                let p = p.as_dvec3() / p.as_dvec3().dot(middle);
+                let p = (p - camera.eye).as_dvec3();
+                let p = p / p.dot(middle);
                 let x = (p - middle).dot(rays.right) / rays.right.length_squared();
                 let y = (p - middle).dot(rays.down) / rays.down.length_squared();
-                let share =
-                    (2.0 * x.abs() / f64::from(width)).max(2.0 * y.abs() / f64::from(height));
-                farthest = farthest.max(share);
+                let x = 2.0 * x.abs() / f64::from(width);
+                let y = 2.0 * y.abs() / f64::from(height);
+                farthest = farthest.max(x).max(y);
             }
             assert!(
                 (0.93..=1.0).contains(&farthest),

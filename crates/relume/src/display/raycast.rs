@@ -96,15 +96,17 @@ pub fn render(
         .into_par_iter()
         .map(|tile| view.tile(tile % across * TILE, tile / across * TILE))
         .collect();
-    let pixel = |i: u32| {
-        let (x, y) = (i % options.width, i / options.width);
+    let at = |x: u32, y: u32| {
         let tile = &tiles[(y / TILE * across + x / TILE) as usize];
         tile[(y % TILE * TILE + x % TILE) as usize]
     };
     Ok(Picture {
         width: options.width,
         height: options.height,
-        pixels: (0..options.width * options.height).map(pixel).collect(),
+        pixels: (0..options.height)
+            .flat_map(|y| (0..options.width).map(move |x| (x, y)))
+            .map(|(x, y)| at(x, y))
+            .collect(),
     })
 }
 
@@ -273,7 +275,7 @@ mod tests {
                 .unwrap();
             pool.install(|| {
                 picture_of(&scene, Vec3::new(1.0, 2.0, 3.0), |world| VertexRadiance {
-                    front: world.positions.iter().map(|p| p.to_array()).collect(),
+                    front: world.positions.iter().map(Vec3::to_array).collect(),
                     back: Vec::new(),
                 })
             })

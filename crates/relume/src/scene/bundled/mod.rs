@@ -5,6 +5,7 @@
 
 mod analytic;
 mod courtyard;
+mod furniture;
 mod paint;
 mod part;
 mod shapes;
