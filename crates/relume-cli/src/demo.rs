@@ -249,7 +249,8 @@ impl Light {
         };
         let (environment, _) = relume::light::load(&spec.parse::<EnvSpec>()?, &options)?;
         let order = Order::new(ORDER)?;
-        let windowed = Window::Hann(ORDER as f64).apply(environment.project(order).coefficients())?;
+        let windowed =
+            Window::Hann(ORDER as f64).apply(environment.project(order).coefficients())?;
         Ok(Self {
             environment,
             sh: ShLight::new(order, windowed.coefficients),
