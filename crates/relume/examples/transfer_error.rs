@@ -11,7 +11,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use relume::asset::Transfer;
-use relume::bake::{BakeOptions, Monitor, bake};
+use relume::bake::{BakeError, BakeOptions, Monitor, bake};
 use relume::reference::{EstimateOptions, estimate_transfer, receivers_at};
 use relume::scene::{self, ImportOptions, World};
 
@@ -29,28 +29,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         },
     )?;
     let world = World::new(&scene);
-    let never = AtomicBool::new(false);
-    let monitor = Monitor {
-        progress: &|_| {},
-        cancelled: &never,
-    };
-    let direct = bake(
-        &world,
-        &BakeOptions {
-            samples,
-            ..BakeOptions::default()
-        },
-        &monitor,
-    )?;
-    let bounced = bake(
-        &world,
-        &BakeOptions {
-            samples,
-            bounces,
-            ..BakeOptions::default()
-        },
-        &monitor,
-    )?;
+    let direct = baked(&world, samples, 0)?;
+    let bounced = baked(&world, samples, bounces)?;
 
     // Every so many vertices, the buried ones left out.
     let step = (direct.valid.len() / count as usize).max(1);
@@ -88,6 +68,20 @@ fn main() -> Result<(), Box<dyn Error>> {
         added,
     );
     Ok(())
+}
+
+fn baked(world: &World, samples: u32, bounces: u32) -> Result<Transfer, BakeError> {
+    let never = AtomicBool::new(false);
+    let monitor = Monitor {
+        progress: &|_| {},
+        cancelled: &never,
+    };
+    let options = BakeOptions {
+        samples,
+        bounces,
+        ..BakeOptions::default()
+    };
+    bake(world, &options, &monitor)
 }
 
 /// The transfer vector of a vertex in three channels.
