@@ -8,8 +8,8 @@ use relume::asset::{self, Asset, Transfer};
 use relume::bake::BakeOptions;
 use relume::bake::trace::Tracer;
 use relume::basis::{Order, Window};
-use relume::display::{self, Camera, Picture, RaycastOptions, ToneMap, VertexRadiance};
-use relume::light::{EnvSpec, Environment, IncidentLight, LightOptions, ShLight, Turn};
+use relume::display::{self, Picture, RaycastOptions, ToneMap};
+use relume::light::{EnvSpec, Environment, LightOptions, ShLight, Turn};
 use relume::reference::{self, RenderOptions};
 use relume::scene::{World, bundled};
 
@@ -18,7 +18,7 @@ use crate::bake::bake_with_bar;
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::progress::{self, grouped};
-use crate::render::exposure;
+use crate::view::View;
 
 /// Interreflections of the demo.
 const BOUNCES: u32 = 2;
@@ -63,12 +63,17 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
     let asset_path = args.output.join("courtyard.glb");
     asset::write(&asset, &asset_path)?;
 
-    let studio = Studio {
+    let tracer = Tracer::new(&world);
+    let camera = bundled::courtyard_camera();
+    let view = View {
         world: &world,
-        tracer: Tracer::new(&world),
+        tracer: &tracer,
+        camera,
+    };
+    let studio = Studio {
+        view,
         asset: &asset,
         folder: &args.output,
-        camera: bundled::courtyard_camera(),
     };
     eprintln!("\nRelighting it with lights it was not baked for");
     studio.two_skies()?;
@@ -88,11 +93,9 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
 
 /// What every picture of the demo is made with.
 struct Studio<'a> {
-    world: &'a World,
-    tracer: Tracer<'a>,
+    view: View<'a>,
     asset: &'a Asset,
     folder: &'a Path,
-    camera: Camera,
 }
 
 impl Studio<'_> {
@@ -104,7 +107,7 @@ impl Studio<'_> {
         ] {
             let start = Instant::now();
             let light = Light::new(spec, degrees)?;
-            let exposure = exposure(Exposure::Auto, self.asset, self.world, &light.sh);
+            let exposure = self.exposure(&light)?;
             let picture = self.look(&self.asset.transfer, &light, LARGE)?;
             self.save(&picture, &format!("{name}.png"), exposure, start)?;
         }
@@ -120,7 +123,7 @@ impl Studio<'_> {
             let degrees = 360.0 * f64::from(frame) / f64::from(FRAMES);
             let light = Light::new("sun:0,0.6,1,30,22,17,11", degrees)?;
             if frame == 0 {
-                stops = exposure(Exposure::Auto, self.asset, self.world, &light.sh);
+                stops = self.exposure(&light)?;
             }
             frames.push(self.look(&self.asset.transfer, &light, SMALL)?);
         }
@@ -140,7 +143,7 @@ impl Studio<'_> {
         let start = Instant::now();
         let light = Light::new("sky:40,2.5", 130.0)?;
         let unshadowed = bake_with_bar(
-            self.world,
+            self.view.world,
             &BakeOptions {
                 shadows: false,
                 bounces: 0,
@@ -148,7 +151,7 @@ impl Studio<'_> {
             },
         )?;
         let shadowed = bake_with_bar(
-            self.world,
+            self.view.world,
             &BakeOptions {
                 bounces: 0,
                 ..options.clone()
@@ -159,7 +162,7 @@ impl Studio<'_> {
             panels.push(self.look(transfer, &light, SMALL)?);
         }
         panels.push(self.path_traced(&light)?);
-        let stops = exposure(Exposure::Auto, self.asset, self.world, &light.sh);
+        let stops = self.exposure(&light)?;
         self.save(
             &display::strip(&panels, 4, [0.0; 3]),
             "strip.png",
@@ -174,27 +177,21 @@ impl Studio<'_> {
         light: &Light,
         size: (u32, u32),
     ) -> Result<Picture, Failure> {
-        let radiance = VertexRadiance::new(transfer, &IncidentLight::Distant(light.sh.clone()));
         let options = RaycastOptions {
             width: size.0,
             height: size.1,
             ..RaycastOptions::default()
         };
         let background = |direction: Vec3| light.environment.radiance(direction);
-        let Self {
-            world,
-            tracer,
-            camera,
-            ..
-        } = self;
-        Ok(display::render(
-            world,
-            tracer,
-            &radiance,
-            &background,
-            camera,
-            &options,
-        )?)
+        Ok(self
+            .view
+            .picture(transfer, &light.sh, &background, &options)?)
+    }
+
+    fn exposure(&self, light: &Light) -> Result<f32, Failure> {
+        Ok(self
+            .view
+            .exposure(Exposure::Auto, &self.asset.transfer, &light.sh, SMALL)?)
     }
 
     /// The same light, band-limited as the bake sees it, by paths from every pixel.
@@ -209,8 +206,13 @@ impl Studio<'_> {
         let spinner = progress::spinner("path tracing the same picture");
         let radiance = reference::sh_radiance(&light.sh);
         let background = |d: DVec3| light.environment.radiance(d.as_vec3()).map(f64::from);
-        let picture =
-            reference::render(self.world, &radiance, &background, &self.camera, &options)?;
+        let picture = reference::render(
+            self.view.world,
+            &radiance,
+            &background,
+            &self.view.camera,
+            &options,
+        )?;
         spinner.finish_and_clear();
         Ok(picture)
     }

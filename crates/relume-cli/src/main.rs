@@ -16,6 +16,7 @@ mod light;
 mod progress;
 mod render;
 mod shade;
+mod view;
 
 use std::process::ExitCode;
 

@@ -3,16 +3,16 @@
 use std::path::PathBuf;
 
 use glam::{DVec3, Vec3};
-use relume::asset::Asset;
 use relume::bake::trace::Tracer;
-use relume::display::{self, Camera, RaycastOptions, ToneMap, VertexRadiance};
-use relume::light::{Environment, IncidentLight, ShLight, Turn};
+use relume::display::{Camera, RaycastOptions, ToneMap};
+use relume::light::{Environment, ShLight, Turn};
 use relume::scene::World;
 
-use crate::args::{BackgroundArg, Exposure, RenderArgs, SweepArg};
+use crate::args::{BackgroundArg, RenderArgs, SweepArg};
 use crate::failure::Failure;
 use crate::inputs::{self, check_extension, check_output, light_path, shown};
 use crate::progress;
+use crate::view::{Background, View};
 
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     check_extension(&args.output, &["png", "exr"])?;
@@ -25,44 +25,37 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let (asset, world) = inputs::open_asset(&args.asset)?;
     let environment = inputs::open_environment(&args.light.env, &args.light.change)?;
     let light = inputs::project(&environment, asset.transfer.order, &args.light.change)?.light;
-    let tone = ToneMap {
-        exposure: exposure(args.exposure, &asset, &world, &light),
-    };
     let tracer = Tracer::new(&world);
-    let camera = camera(args, &world);
+    let mut view = View {
+        world: &world,
+        tracer: &tracer,
+        camera: camera(args, &world),
+    };
+    let (start, transfer) = (view.camera, &asset.transfer);
+    let exposure = view.exposure(args.exposure, transfer, &light, args.size)?;
+    let options = RaycastOptions {
+        width: args.size.0,
+        height: args.size.1,
+        samples_per_pixel: args.samples_per_pixel,
+    };
 
     let bar = progress::count_bar("rendering", frames.len() as u64);
     for (i, path) in frames.iter().enumerate() {
         let share = i as f64 / frames.len() as f64;
-        let (light, environment, view) = swept(args, share, (&light, &environment, camera))?;
+        let (light, environment, camera) = swept(args, share, (&light, &environment, start))?;
+        view.camera = camera;
         let background = background(args.background, &environment, &light);
-        let radiance = VertexRadiance::new(&asset.transfer, &IncidentLight::Distant(light.clone()));
-        let options = RaycastOptions {
-            width: args.size.0,
-            height: args.size.1,
-            samples_per_pixel: args.samples_per_pixel,
-        };
-        let picture = display::render(&world, &tracer, &radiance, &*background, &view, &options)?;
-        picture.write(path, &tone)?;
+        let picture = view.picture(transfer, &light, &*background, &options)?;
+        picture.write(path, &ToneMap { exposure })?;
         bar.inc(1);
     }
     bar.finish_and_clear();
-    match &frames[..] {
-        [only] => eprintln!(
-            "wrote {} (exposure {:+.2} stops)",
-            shown(only),
-            tone.exposure
-        ),
-        [first, .., last] => {
-            eprintln!(
-                "wrote {} … {} (exposure {:+.2} stops)",
-                shown(first),
-                shown(last),
-                tone.exposure
-            );
-        }
-        [] => {}
-    }
+    let name = |path: Option<&PathBuf>| shown(path.expect("at least one frame"));
+    let names = match frames.len() {
+        1 => name(frames.first()),
+        _ => format!("{} … {}", name(frames.first()), name(frames.last())),
+    };
+    eprintln!("wrote {names} (exposure {exposure:+.2} stops)");
     Ok(())
 }
 
@@ -104,28 +97,11 @@ fn background<'a>(
     choice: BackgroundArg,
     environment: &'a Environment,
     light: &'a ShLight,
-) -> Box<dyn Fn(Vec3) -> [f32; 3] + Sync + 'a> {
+) -> Box<Background<'a>> {
     match choice {
         BackgroundArg::Environment => Box::new(|direction| environment.radiance(direction)),
         BackgroundArg::Light => Box::new(|direction| light.radiance(direction.as_dvec3())),
         BackgroundArg::Black => Box::new(|_| [0.0; 3]),
-    }
-}
-
-/// The exposure asked for, or the one that brings the mean radiance of the vertices to middle grey.
-pub fn exposure(choice: Exposure, asset: &Asset, world: &World, light: &ShLight) -> f32 {
-    if let Exposure::Stops(stops) = choice {
-        return stops;
-    }
-    let light = IncidentLight::Distant(light.clone());
-    let radiance = relume::shade::radiance(world, &asset.transfer, &light);
-    let luminance = |[r, g, b]: &[f32; 3]| f64::from(0.2126 * r + 0.7152 * g + 0.0722 * b);
-    let mean = radiance.iter().map(luminance).sum::<f64>() / radiance.len().max(1) as f64;
-    // The curve of the tone map darkens by 0.6; middle grey is 0.18.
-    if mean > 0.0 {
-        libm::log2(0.18 / 0.6 / mean).clamp(-64.0, 64.0) as f32
-    } else {
-        0.0
     }
 }
 

@@ -1,0 +1,77 @@
+//! A place to look at a scene from: pictures of it, and the exposure they want.
+
+use glam::Vec3;
+use relume::asset::Transfer;
+use relume::bake::trace::Tracer;
+use relume::display::{self, Camera, CameraError, Picture, RaycastOptions, VertexRadiance};
+use relume::light::{IncidentLight, ShLight};
+use relume::scene::World;
+
+use crate::args::Exposure;
+
+/// A scene, ready for camera rays, and a camera.
+pub struct View<'a> {
+    pub world: &'a World,
+    pub tracer: &'a Tracer<'a>,
+    pub camera: Camera,
+}
+
+/// Radiance by direction, where there is no surface.
+pub type Background<'a> = dyn Fn(Vec3) -> [f32; 3] + Sync + 'a;
+
+impl View<'_> {
+    /// What `transfer` makes of `light`, seen from here.
+    pub fn picture(
+        &self,
+        transfer: &Transfer,
+        light: &ShLight,
+        background: &Background,
+        options: &RaycastOptions,
+    ) -> Result<Picture, CameraError> {
+        let radiance = VertexRadiance::new(transfer, &IncidentLight::Distant(light.clone()));
+        display::render(
+            self.world,
+            self.tracer,
+            &radiance,
+            background,
+            &self.camera,
+            options,
+        )
+    }
+
+    /// The exposure asked for, or the one that brings the mean of the surfaces in view to middle grey.
+    pub fn exposure(
+        &self,
+        choice: Exposure,
+        transfer: &Transfer,
+        light: &ShLight,
+        (width, height): (u32, u32),
+    ) -> Result<f32, CameraError> {
+        if let Exposure::Stops(stops) = choice {
+            return Ok(stops);
+        }
+        // A glance is enough. What is not a number is where the background shows.
+        let shrink = (width.max(height) / 96).max(1);
+        let glance = RaycastOptions {
+            width: (width / shrink).max(1),
+            height: (height / shrink).max(1),
+            samples_per_pixel: 1,
+        };
+        let glance = self.picture(transfer, light, &|_| [f32::NAN; 3], &glance)?;
+        let luminance = |[r, g, b]: &[f32; 3]| f64::from(0.2126 * r + 0.7152 * g + 0.0722 * b);
+        let surfaces = glance
+            .pixels
+            .iter()
+            .map(luminance)
+            .filter(|y| y.is_finite());
+        let (sum, count) = surfaces.fold((0.0, 0), |(sum, count), y| (sum + y, count + 1));
+        let mean = sum / f64::from(count.max(1));
+        // The tone map multiplies by 0.6 first; middle grey is 0.18.
+        let stops = if mean > 0.0 {
+            libm::log2(0.18 / 0.6 / mean)
+        } else {
+            0.0
+        };
+        Ok(stops.clamp(-64.0, 64.0) as f32)
+    }
+}
