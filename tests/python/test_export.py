@@ -35,18 +35,15 @@ class Export(unittest.TestCase):
         cls.folder = Path(cls.scratch.name)
         cls.scene = cls.folder / "scene.obj"
         program.write_scene(cls.scene)
-        cls.direct = cls.bake("direct", "--bounces", 0)
-        cls.bounced = cls.bake("bounced", "--bounces", 2)
+        cls.direct = cls.bake("direct", "--samples", SAMPLES, "--seed", 7)
+        cls.bounced = cls.bake("bounced", "--samples", SAMPLES, "--seed", 7, "--bounces", 2)
         cls.open = cls.bake("unshadowed", "--no-shadows")
 
     @classmethod
     def bake(cls, name, *flags):
         asset, table = cls.folder / f"{name}.glb", cls.folder / f"{name}.npz"
         colour = ",".join(map(str, ALBEDO))
-        relume(
-            "bake", cls.scene, "-o", asset, "--order", ORDER, "--samples", SAMPLES,
-            "--albedo", colour, "--seed", 7, *flags,
-        )  # fmt: skip
+        relume("bake", cls.scene, "-o", asset, "--order", ORDER, "--albedo", colour, *flags)
         relume("export", asset, "-o", table)
         program.keep_asset(asset, f"python-{name}.glb")
         with np.load(table) as arrays:

@@ -49,7 +49,7 @@ pub struct DemoArgs {
     #[arg(short, long, value_name = "FOLDER", default_value = "relume-demo")]
     pub output: PathBuf,
     /// Rays per vertex
-    #[arg(long, value_name = "N", default_value_t = 512, value_parser = parse::samples)]
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = parse::samples)]
     pub samples: u32,
     /// Threads to work with [default: one per core]
     #[arg(long, value_name = "N", value_parser = parse::threads)]

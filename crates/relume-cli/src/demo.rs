@@ -23,7 +23,7 @@ use crate::render::exposure;
 /// Interreflections of the demo.
 const BOUNCES: u32 = 2;
 /// Order of the light.
-const ORDER: usize = 5;
+const ORDER: usize = 7;
 /// The pictures of the lights.
 const LARGE: (u32, u32) = (960, 540);
 /// One panel of the strip, and one frame of the turning light.
@@ -99,8 +99,8 @@ impl Studio<'_> {
     /// Noon and evening.
     fn two_skies(&self) -> Result<(), Failure> {
         for (name, spec, degrees) in [
-            ("noon", "sky:55,2.5", 160.0),
-            ("evening", "sky:14,4", 215.0),
+            ("noon", "sky:40,2.5", 130.0),
+            ("evening", "sky:16,4", 225.0),
         ] {
             let start = Instant::now();
             let light = Light::new(spec, degrees)?;
@@ -138,7 +138,7 @@ impl Studio<'_> {
 
     fn strip(&self, options: &BakeOptions) -> Result<(), Failure> {
         let start = Instant::now();
-        let light = Light::new("sky:55,2.5", 160.0)?;
+        let light = Light::new("sky:40,2.5", 130.0)?;
         let unshadowed = bake_with_bar(
             self.world,
             &BakeOptions {
@@ -202,7 +202,7 @@ impl Studio<'_> {
         let options = RenderOptions {
             width: SMALL.0,
             height: SMALL.1,
-            samples_per_pixel: 36,
+            samples_per_pixel: 64,
             bounces: BOUNCES,
             seed: 0,
         };
@@ -240,7 +240,7 @@ struct Light {
 }
 
 impl Light {
-    /// `spec` turned by `degrees` about the vertical, windowed so that its shadows do not ring below zero.
+    /// `spec` turned by `degrees` about the vertical, with the window that keeps a sun from ringing.
     fn new(spec: &str, degrees: f64) -> Result<Self, Failure> {
         let turns = vec![Turn::new(DVec3::Y, degrees)?];
         let options = LightOptions {
@@ -249,7 +249,8 @@ impl Light {
         };
         let (environment, _) = relume::light::load(&spec.parse::<EnvSpec>()?, &options)?;
         let order = Order::new(ORDER)?;
-        let windowed = Window::Auto.apply(environment.project(order).coefficients())?;
+        let windowed =
+            Window::Hann(ORDER as f64).apply(environment.project(order).coefficients())?;
         Ok(Self {
             environment,
             sh: ShLight::new(order, windowed.coefficients),

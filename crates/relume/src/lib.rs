@@ -33,3 +33,8 @@ pub mod scene;
 pub mod shade;
 #[cfg(test)]
 mod test_data;
+
+/// The README's Rust runs as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

@@ -1,8 +1,8 @@
 //! Where transfer is gathered: each vertex, and once more behind it where its surface has two sides.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
-use super::coincident::coincident;
+use super::coincident::alike;
 use super::sampling::vertex_seed;
 use crate::scene::World;
 
@@ -14,8 +14,8 @@ pub struct Receivers<'w> {
     pub front: Vec<u32>,
     /// Receiver behind each vertex, or [`NO_BACK`].
     pub behind: Vec<u32>,
-    /// From each vertex to where the rays of its front start.
-    lifts: Vec<Vec3>,
+    /// How rays leave each vertex.
+    lifts: Vec<Lift>,
 }
 
 /// In [`Receivers::behind`]: this vertex has one side.
@@ -26,6 +26,15 @@ pub const NO_BACK: u32 = u32::MAX;
 struct Place {
     vertex: u32,
     back: bool,
+}
+
+/// From a vertex to where its rays start.
+#[derive(Clone, Copy)]
+struct Lift {
+    /// Along the normal of the side.
+    up: f32,
+    /// In addition, on either side.
+    aside: Vec3,
 }
 
 /// One place that light arrives at.
@@ -79,7 +88,8 @@ impl<'w> Receivers<'w> {
         let side = if back { -1.0 } else { 1.0 };
         let position = self.world.positions[vertex as usize];
         let normal = self.world.normals[vertex as usize] * side;
-        let origin = position + self.lifts[vertex as usize] * side;
+        let lift = self.lifts[vertex as usize];
+        let origin = position + lift.aside + normal * lift.up;
         Receiver {
             origin,
             normal,
@@ -120,50 +130,70 @@ fn morton3(cell: [u32; 3]) -> u32 {
     spread(cell[0]) | spread(cell[1]) << 1 | spread(cell[2]) << 2
 }
 
-/// Off the surface along the normal. In a corner, where vertices of other walls lie at the same place, off those walls too: otherwise half
-/// of the rays would start in the plane of a wall and pass outside it.
-fn lifts(world: &World) -> Vec<Vec3> {
-    let mut heights = heights(world);
-    let mut directions = world.normals.clone();
-    for group in coincident(world) {
-        let lowest = group
-            .iter()
-            .map(|&i| heights[i as usize])
-            .fold(f32::INFINITY, f32::min);
-        for &vertex in &group {
-            let own = world.normals[vertex as usize];
-            // The other side of a thin sheet is no wall of this corner.
-            let walls = group
-                .iter()
-                .map(|&i| world.normals[i as usize])
-                .filter(|n| n.dot(own) > -0.9);
-            let outward = walls.sum::<Vec3>().normalize_or(own);
-            directions[vertex as usize] = if outward.dot(own) > 0.1 { outward } else { own };
-            heights[vertex as usize] = lowest;
-        }
-    }
-    let lift = |i: usize| directions[i] * (heights[i] / directions[i].dot(world.normals[i]));
-    (0..world.normals.len()).map(lift).collect()
-}
-
-/// A thousandth of the shortest edge at each vertex, but at least what rounding at its coordinates asks for.
-fn heights(world: &World) -> Vec<f32> {
-    let mut shortest = vec![f32::INFINITY; world.positions.len()];
-    for &[a, b, c] in &world.triangles {
-        for (p, q) in [(a, b), (b, c), (c, a)].map(|(p, q)| (p as usize, q as usize)) {
-            let length = world.positions[p].distance(world.positions[q]);
-            if length > 0.0 {
-                shortest[p] = shortest[p].min(length);
-                shortest[q] = shortest[q].min(length);
+/// How rays leave each vertex: up along the normal by a thousandth of the shortest edge there (at least what rounding at its coordinates asks
+/// for), and half as far toward the middle of its own triangles.
+///
+/// The second step decides what a vertex at the foot of a wall sees: what its own floor sees close by, instead of tracing half of its rays in
+/// the plane of the wall and past it. Vertices with the same place and normal, on either side of a seam, take it together.
+fn lifts(world: &World) -> Vec<Lift> {
+    let mut around = vec![Around::default(); world.positions.len()];
+    let class = classes(world);
+    for corners in &world.triangles {
+        let points = corners.map(|i| world.positions[i as usize].as_dvec3());
+        let centre = (points[0] + points[1] + points[2]) / 3.0;
+        for (k, &corner) in corners.iter().enumerate() {
+            let around = &mut around[class[corner as usize] as usize];
+            around.centres += centre;
+            around.triangles += 1;
+            for other in [points[(k + 1) % 3], points[(k + 2) % 3]] {
+                let length = points[k].distance(other);
+                if length > 0.0 && (around.shortest == 0.0 || length < around.shortest) {
+                    around.shortest = length;
+                }
             }
         }
     }
-    let at = |(edge, position): (f32, &Vec3)| {
-        let local = if edge.is_finite() { 1e-3 * edge } else { 0.0 };
+    let lift = |(&position, &class): (&Vec3, &u32)| around[class as usize].lift(position);
+    world.positions.iter().zip(&class).map(lift).collect()
+}
+
+/// The triangles that meet at a place.
+#[derive(Clone, Copy, Default)]
+struct Around {
+    /// Of the edges that end there; 0 without any.
+    shortest: f64,
+    /// Sum of the triangles' centres.
+    centres: DVec3,
+    triangles: u32,
+}
+
+impl Around {
+    fn lift(&self, position: Vec3) -> Lift {
         // 16 half-ulps: the start is rounded once per coordinate, and has to end up on the right side.
-        local.max(16.0 * f32::EPSILON / 2.0 * position.abs().max_element())
-    };
-    shortest.into_iter().zip(&world.positions).map(at).collect()
+        let rounding = 16.0 * f32::EPSILON / 2.0 * position.abs().max_element();
+        let up = ((1e-3 * self.shortest) as f32).max(rounding);
+        let middle = self.centres / f64::from(self.triangles.max(1)) - position.as_dvec3();
+        let toward_middle = if self.triangles > 0 {
+            middle.normalize_or_zero()
+        } else {
+            DVec3::ZERO
+        };
+        Lift {
+            up,
+            aside: toward_middle.as_vec3() * (0.5 * up),
+        }
+    }
+}
+
+/// For each vertex, the first of those with the same place and normal.
+fn classes(world: &World) -> Vec<u32> {
+    let mut class: Vec<u32> = (0..world.positions.len() as u32).collect();
+    for group in alike(world) {
+        group
+            .iter()
+            .for_each(|&vertex| class[vertex as usize] = group[0]);
+    }
+    class
 }
 
 #[cfg(test)]

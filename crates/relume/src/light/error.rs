@@ -39,7 +39,7 @@ pub enum LightError {
     #[error(
         "{}: {bytes} bytes are more than the {} Relume reads; reduce the image",
         printable(path),
-        super::load::MAX_FILE_BYTES
+        super::values::MAX_FILE_BYTES
     )]
     FileTooLarge {
         /// The path as given.

@@ -14,9 +14,7 @@ use super::layout::LayoutChoice;
 use super::map::EnvMap;
 use super::spec::EnvSpec;
 use super::turn::Turn;
-
-/// The longest file that is read: 4 GiB.
-pub const MAX_FILE_BYTES: u64 = 1 << 32;
+use super::values::MAX_FILE_BYTES;
 
 /// How a light is read.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -7,8 +7,8 @@ use glam::DVec3;
 use crate::basis::sh::Evaluator;
 use crate::basis::{Order, Zonal, gauss_legendre};
 
+use super::error::SpecError;
 use super::project::{Sums, add_scaled};
-use super::spec::SpecError;
 use super::sun::Sun;
 
 /// Luminance, in cd/m², of white radiance (1, 1, 1) of a [`Sky`]: brings a clear sky to about 1.

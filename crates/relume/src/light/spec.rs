@@ -5,9 +5,10 @@ use std::str::FromStr;
 
 use glam::DVec3;
 
-pub use super::error::SpecError;
+use super::error::SpecError;
 use super::sky::Sky;
 use super::sun::Sun;
+use super::values::{checked_radiance, numbers};
 
 /// What a light is made from.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,33 +60,6 @@ impl FromStr for EnvSpec {
             _ => Ok(Self::File(PathBuf::from(text))),
         }
     }
-}
-
-/// Exactly `N` numbers with commas between them.
-pub(super) fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
-    let values: Option<Vec<f64>> = text
-        .split(',')
-        .map(|part| part.trim().parse().ok())
-        .collect();
-    values?.try_into().ok()
-}
-
-/// Refuses radiance that is negative or not finite.
-pub(super) fn checked_radiance(
-    what: &'static str,
-    radiance: [f32; 3],
-) -> Result<[f32; 3], SpecError> {
-    if radiance
-        .iter()
-        .all(|value| value.is_finite() && *value >= 0.0)
-    {
-        return Ok(radiance);
-    }
-    let [r, g, b] = radiance;
-    Err(SpecError::value(
-        what,
-        format!("{r},{g},{b} must be finite and not negative"),
-    ))
 }
 
 #[cfg(test)]

@@ -6,8 +6,9 @@ use glam::DVec3;
 
 use crate::basis::{Order, Zonal};
 
+use super::error::SpecError;
 use super::project::Sums;
-use super::spec::{SpecError, checked_radiance};
+use super::values::checked_radiance;
 
 /// A disc of constant radiance on a black sky.
 ///

@@ -8,7 +8,8 @@ use glam::{DMat3, DVec3};
 
 use crate::basis::turn;
 
-use super::spec::{SpecError, numbers};
+use super::error::SpecError;
+use super::values::numbers;
 
 /// A right-handed rotation about an axis: about +Y, 90° brings +Z to +X.
 #[derive(Clone, Copy, Debug, PartialEq)]
