@@ -5,7 +5,7 @@ use glam::{DAffine3, DVec2, DVec3, Vec3};
 use super::furniture;
 use super::paint::{mosaic, plaster};
 use super::part::{Part, Point, add_material};
-use super::shapes::{NO_BOTTOM, SIDES, cells, cuboid, curve_through, lathe, on_circle};
+use super::shapes::{NO_BOTTOM, SIDES, cells, cuboid, curve_through, lathe, on_circle, plane};
 use crate::display::Camera;
 use crate::scene::{Material, Scene};
 
@@ -21,6 +21,9 @@ pub(super) const LEFT: f64 = -4.4;
 pub(super) const ARCADE: f64 = -2.6;
 const HALF_DEPTH: f64 = 0.2;
 const BACK: f64 = -4.4;
+/// Right and front edges of the floor.
+const RIGHT_EDGE: f64 = 6.75;
+const FRONT_EDGE: f64 = 6.95;
 /// Bays, their width and the radius of their arches.
 const BAYS: usize = 4;
 pub(super) const BAY: f64 = 2.2;
@@ -78,11 +81,11 @@ fn floor(scene: &mut Scene) {
         },
     );
     // Only where it is seen: in the court as far as under the first step, and to the right of the steps. Cells of 10 cm, so that the
-    // vertices along the joint are the same.
+    // vertices along the joint are the same, and none in the plane of a wall or a step.
     let mut part = Part::default();
     for (low, high) in [
-        (DVec2::new(-4.6, -1.9), DVec2::new(6.7, 7.0)),
-        (DVec2::new(4.9, -4.6), DVec2::new(6.7, -1.9)),
+        (DVec2::new(-4.65, -1.85), DVec2::new(RIGHT_EDGE, FRONT_EDGE)),
+        (DVec2::new(4.85, -4.65), DVec2::new(RIGHT_EDGE, -1.85)),
     ] {
         let size = high - low;
         part.patch(cells(size.x, 0.1), cells(size.y, 0.1), |s, t| {
@@ -95,31 +98,56 @@ fn floor(scene: &mut Scene) {
         });
     }
     part.add_to(scene, "floor", material, None);
+    underside(scene);
+}
+
+/// Closes the ground from below, so that what reaches into it (the feet of walls, steps and urns) is inside something: no light leaks
+/// up along a foot, and the bake knows those vertices for buried.
+fn underside(scene: &mut Scene) {
+    let earth = diffuse(scene, "earth", [0.2, 0.17, 0.14]);
+    let low = DVec3::new(LEFT - 0.3, -0.15, BACK - 0.22);
+    let size = DVec3::new(RIGHT_EDGE, 0.0, FRONT_EDGE) - low;
+    let (x, y, z) = (DVec3::X * size.x, DVec3::Y, DVec3::Z * size.z);
+    let mut part = Part::default();
+    plane(&mut part, low, x, z, 1.0);
+    // Sides: under the walls up into them, on the open sides up to the floor.
+    plane(&mut part, low, z, y * 0.1, 1.0);
+    plane(&mut part, low, y * 0.1, x, 1.0);
+    plane(&mut part, low + x, y * 0.15, z, 1.0);
+    plane(&mut part, low + z, x, y * 0.15, 1.0);
+    part.add_to(scene, "underside", earth, None);
 }
 
 fn walls(scene: &mut Scene) {
     let white = diffuse(scene, "plaster", [1.0; 3]);
     let right = LEFT + BAYS as f64 * BAY;
     let mut terracotta = Part::default();
-    // Low along the court, as high as the roof beside the loggia.
+    // Low along the court, as high as the roof beside the loggia. No two parts share a plane: what lies in another's face sees half the
+    // world by chance.
+    let corner = ARCADE + HALF_DEPTH + 0.05;
     for (top, from, to, sides) in [
-        (3.0, ARCADE + HALF_DEPTH, 3.4, NO_BOTTOM - SIDES[4]),
-        (TOP, BACK - 0.3, ARCADE + HALF_DEPTH, NO_BOTTOM - SIDES[5]),
+        (3.0, corner, 3.4, NO_BOTTOM - SIDES[4]),
+        (TOP, BACK - 0.3, corner, NO_BOTTOM - SIDES[5]),
     ] {
         let low = DVec3::new(LEFT - 0.35, -0.1, from);
         cuboid(&mut terracotta, low, DVec3::new(LEFT, top, to), 0.13, sides);
     }
     // The step between the two.
     let low = DVec3::new(LEFT - 0.35, 3.0, ARCADE);
-    let high = DVec3::new(LEFT, TOP, ARCADE + HALF_DEPTH);
-    cuboid(&mut terracotta, low, high, 0.13, SIDES[5]);
+    cuboid(
+        &mut terracotta,
+        low,
+        DVec3::new(LEFT, TOP, corner),
+        0.13,
+        SIDES[5],
+    );
     let color = mottled([0.62, 0.20, 0.10]);
     terracotta.add_to(scene, "terracotta wall", white, Some(&color));
     let mut teal = Part::default();
     cuboid(
         &mut teal,
-        DVec3::new(LEFT - 0.05, -0.1, BACK - 0.3),
-        DVec3::new(right, TOP, BACK),
+        DVec3::new(LEFT - 0.05, -0.1, BACK - 0.25),
+        DVec3::new(right, TOP - 0.02, BACK),
         0.14,
         NO_BOTTOM,
     );
@@ -166,7 +194,7 @@ fn arcade(scene: &mut Scene) {
             SIDES[1] | SIDES[3] | SIDES[5],
         ),
         (
-            DVec3::new(end - 0.04, -0.1, BACK - 0.3),
+            DVec3::new(end - 0.04, -0.1, BACK - 0.35),
             DVec3::new(end + 0.32, half, front - 0.04),
             SIDES[1] | SIDES[3] | SIDES[4],
         ),
@@ -182,7 +210,8 @@ fn arch(part: &mut Part, spring: DVec3) {
     let half = BAY / 2.0;
     // Up into the cornice, so that the row of vertices under it is one of the wall and not of the corner.
     let height = TOP + 0.04 - SPRING;
-    let arc = 32;
+    // Cells along the arch: a multiple of the three pieces, the same on the faces and on the soffit, so that their edges meet.
+    let arc = 33;
     // From the arch outward to the edge of the bay, along the ray from the middle of the springing line.
     let outer = |way: DVec2| way * (half / way.x.abs().max(1e-9)).min(height / way.y.max(1e-9));
     // Angles of the bay's upper corners, so that the grid has points there.
@@ -194,7 +223,7 @@ fn arch(part: &mut Part, spring: DVec3) {
         pieces[i] + (pieces[i + 1] - pieces[i]) * (s * 3.0 - i as f64)
     };
     for side in [-1.0, 1.0] {
-        part.patch(33, 6, |s, t| {
+        part.patch(arc, 8, |s, t| {
             let way = on_circle(angle(s));
             let at = (way * RADIUS).lerp(outer(way), t);
             let position = spring + DVec3::new(at.x, at.y, side * HALF_DEPTH);
@@ -202,7 +231,7 @@ fn arch(part: &mut Part, spring: DVec3) {
         });
     }
     part.patch(arc, 4, |s, t| {
-        let way = on_circle(0.5 * s);
+        let way = on_circle(angle(s));
         let depth = (2.0 * t - 1.0) * HALF_DEPTH;
         let position = spring + DVec3::new(way.x * RADIUS, way.y * RADIUS, depth);
         Point::new(position, DVec3::new(-way.x, -way.y, 0.0))

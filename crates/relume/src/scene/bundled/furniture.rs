@@ -5,7 +5,7 @@ use glam::{DAffine3, DQuat, DVec2, DVec3};
 use super::courtyard::{ARCADE, BAY, LEFT, LOGGIA, MIDDLE, diffuse, into};
 use super::paint::{lattice, noise};
 use super::part::{Part, Point, add_material};
-use super::shapes::{Knot, ball, cells, curve_through, lathe, lathe_line};
+use super::shapes::{Knot, ball, cells, cuboid, curve_through, lathe, lathe_line};
 use crate::scene::{AlphaMode, Material, Scene};
 
 /// The white torus knot on its round stepped plinth.
@@ -71,11 +71,11 @@ pub fn urns(scene: &mut Scene) {
     ]
     .map(into);
     for (name, material, at, scale, around) in [
-        ("blue urn", blue, DVec3::new(-3.35, 0.0, 0.1), 1.15, 56),
+        ("blue urn", blue, DVec3::new(-3.35, -0.02, 0.1), 1.15, 56),
         (
             "amber urn",
             amber,
-            DVec3::new(3.35, LOGGIA / 2.0, -1.95),
+            DVec3::new(3.35, LOGGIA / 2.0 - 0.02, -1.95),
             0.72,
             48,
         ),
@@ -98,7 +98,8 @@ pub fn balls(scene: &mut Scene) {
         ("saffron ball", gold, DVec3::new(2.75, 0.0, 2.35), 0.34, 48),
     ] {
         let mut part = Part::default();
-        ball(&mut part, at + DVec3::Y * radius, radius, around);
+        // Pressed in a little, as heavy things are.
+        ball(&mut part, at + DVec3::Y * (radius - 0.01), radius, around);
         part.add_to(scene, name, material, None);
     }
 }
@@ -120,15 +121,27 @@ pub fn screen(scene: &mut Scene) {
     let mut part = Part::default();
     let n = cells(width, 0.07);
     part.patch(n, n, |s, t| Point {
-        position: DVec3::new(left + width * s, LOGGIA + width * (1.0 - t), ARCADE - 0.02),
+        position: DVec3::new(
+            left + width * s,
+            LOGGIA - 0.02 + width * (1.0 - t),
+            ARCADE - 0.02,
+        ),
         normal: DVec3::Z,
         uv: DVec2::new(s, t),
     });
     part.add_to(scene, "lattice", material, None);
 }
 
-/// Three trees behind the terracotta wall.
+/// Three trees in a bed behind the terracotta wall.
 pub fn cypresses(scene: &mut Scene) {
+    let lawn = diffuse(scene, "lawn", [0.10, 0.17, 0.05]);
+    let mut bed = Part::default();
+    let (low, high) = (
+        DVec3::new(-7.1, -0.15, -2.6),
+        DVec3::new(LEFT - 0.3, 0.12, 2.2),
+    );
+    cuboid(&mut bed, low, high, 0.22, 63);
+    bed.add_to(scene, "bed", lawn, None);
     let green = diffuse(scene, "cypress", [1.0; 3]);
     let outline = [
         (0.0, -0.1),
