@@ -18,9 +18,9 @@ const LARGE: u64 = 0xf000_0000;
 
 /// Writes the transfer vectors of `asset` as `transfer.npz`, with positions, normals, albedo and the basis header.
 ///
-/// float32 `position`, `normal` [V, 3] in the space of the scene's root, `transfer` [V, C, n²] without the receiver's own albedo,
-/// `albedo` [V, 3] linear; int32 `source_vertex` [V], bool `valid` [V]; where there are double-sided surfaces int32 `back_vertex` [B]
-/// (rows of the others) and `back_transfer` [B, C, n²]. The same bytes each time. `world` is that of the asset's scene.
+/// float32 `position`, `normal` `[V, 3]` in the space of the scene's root, `transfer` `[V, C, n²]` without the receiver's own albedo,
+/// `albedo` `[V, 3]` linear; int32 `source_vertex` `[V]`, bool `valid` `[V]`; where there are double-sided surfaces int32 `back_vertex` `[B]`
+/// (rows of the others) and `back_transfer` `[B, C, n²]`. The same bytes each time. `world` is that of the asset's scene.
 pub fn export_transfer(asset: &Asset, world: &World, path: &Path) -> Result<(), AssetError> {
     let transfer = &asset.transfer;
     fits(world, transfer.vertex_count(), "transfer vectors")?;
@@ -48,7 +48,7 @@ pub fn export_transfer(asset: &Asset, world: &World, path: &Path) -> Result<(), 
 
 /// Writes `radiance` (one linear RGB value per vertex of `world`, albedo included) as `radiance.npz`.
 ///
-/// float32 `position`, `normal`, `radiance` [V, 3], int32 `source_vertex` [V], bool `valid` [V]. The same bytes each time.
+/// float32 `position`, `normal`, `radiance` `[V, 3]`, int32 `source_vertex` `[V]`, bool `valid` `[V]`. The same bytes each time.
 pub fn export_radiance(
     world: &World,
     valid: &[bool],

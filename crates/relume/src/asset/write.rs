@@ -25,7 +25,7 @@ pub fn write(asset: &Asset, path: &Path) -> Result<(), AssetError> {
         .map_err(|error| AssetError::from(error).of(path))
 }
 
-/// The bytes that [`write`] writes.
+/// The bytes that [`write()`] writes.
 pub fn to_glb(asset: &Asset) -> Result<Vec<u8>, AssetError> {
     let container = plan(asset)?;
     let mut bytes = Vec::with_capacity(container.len());
@@ -35,7 +35,7 @@ pub fn to_glb(asset: &Asset) -> Result<Vec<u8>, AssetError> {
 
 /// An upper bound, close, of the size in bytes of the `.glb` that a bake of `scene` will become.
 ///
-/// Fails for every reason in the scene that would make [`write`] fail, so that nobody bakes for an hour what cannot be written.
+/// Fails for every reason in the scene that would make [`write()`] fail, so that nobody bakes for an hour what cannot be written.
 pub fn predicted_size(scene: &Scene, order: Order, channels: usize) -> Result<u64, AssetError> {
     // Room for what the extension says of a node, and of a primitive with its views.
     const NODE: u64 = 640;

@@ -129,7 +129,10 @@ pub fn bounce(
     let hits = std::mem::take(&mut scratch.hits);
     let count = stage.order.count();
     let directions = std::mem::take(&mut scratch.directions.directions);
-    for (hits, directions) in hits.chunks(PARTIAL_RAYS).zip(directions.chunks(PARTIAL_RAYS)) {
+    for (hits, directions) in hits
+        .chunks(PARTIAL_RAYS)
+        .zip(directions.chunks(PARTIAL_RAYS))
+    {
         for (hit, &direction) in hits.iter().zip(directions) {
             let Some(corners) = facing_receivers(stage, hit, direction) else {
                 continue;
