@@ -27,7 +27,7 @@ const ORDER: usize = 7;
 /// The pictures of the lights.
 const LARGE: (u32, u32) = (960, 540);
 /// One panel of the strip, and one frame of the turning light.
-const SMALL: (u32, u32) = (400, 300);
+const SMALL: (u32, u32) = (480, 270);
 /// Frames of the turning light.
 const FRAMES: u32 = 8;
 
@@ -99,12 +99,9 @@ struct Studio<'a> {
 }
 
 impl Studio<'_> {
-    /// Noon and evening.
+    /// Day and evening.
     fn two_skies(&self) -> Result<(), Failure> {
-        for (name, spec, degrees) in [
-            ("noon", "sky:40,2.5", 130.0),
-            ("evening", "sky:16,4", 225.0),
-        ] {
+        for (name, spec, degrees) in [("day", "sky:38,2.5", 75.0), ("evening", "sky:14,4", 20.0)] {
             let start = Instant::now();
             let light = Light::new(spec, degrees)?;
             let exposure = self.exposure(&light)?;
@@ -141,7 +138,7 @@ impl Studio<'_> {
 
     fn strip(&self, options: &BakeOptions) -> Result<(), Failure> {
         let start = Instant::now();
-        let light = Light::new("sky:40,2.5", 130.0)?;
+        let light = Light::new("sky:38,2.5", 75.0)?;
         let unshadowed = bake_with_bar(
             self.view.world,
             &BakeOptions {
@@ -199,7 +196,7 @@ impl Studio<'_> {
         let options = RenderOptions {
             width: SMALL.0,
             height: SMALL.1,
-            samples_per_pixel: 64,
+            samples_per_pixel: 81,
             bounces: BOUNCES,
             seed: 0,
         };

@@ -95,7 +95,8 @@ fn a_convex_body_has_the_closed_form_whatever_the_bounces() {
 fn a_bowl_reflects_the_geometric_series() {
     // A sphere sees every part of itself alike: under constant light, (1 − f) Σ (ρ f)^i after k bounces, at every point of it.
     let (fraction, albedo) = (0.6, 0.8_f32);
-    let world = World::new(&bundled::bowl(fraction, albedo, 64));
+    // Its facets lose what leaves a vertex below them: 0.3 % after two bounces with 64 vertices around, falling with their square.
+    let world = World::new(&bundled::bowl(fraction, albedo, 96));
     // At the rim the shading normals of a mesh are its weakest; the closed form holds inside.
     let rim = world.positions.iter().map(|p| p.y).fold(f32::MIN, f32::max) - 0.05;
     for bounces in [0, 1, 2] {
