@@ -23,7 +23,7 @@ use crate::view::View;
 /// Interreflections of the demo.
 const BOUNCES: u32 = 2;
 /// Order of the light.
-const ORDER: usize = 7;
+const ORDER: usize = 6;
 /// The pictures of the lights.
 const LARGE: (u32, u32) = (960, 540);
 /// One panel of the strip, and one frame of the turning light.
@@ -196,7 +196,7 @@ impl Studio<'_> {
         let options = RenderOptions {
             width: SMALL.0,
             height: SMALL.1,
-            samples_per_pixel: 81,
+            samples_per_pixel: 49,
             bounces: BOUNCES,
             seed: 0,
         };
