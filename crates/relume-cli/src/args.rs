@@ -43,7 +43,7 @@ pub enum Command {
 #[derive(Args)]
 #[command(after_help = "\
 Example:
-  relume demo --output /tmp/look")]
+  relume demo --output look")]
 pub struct DemoArgs {
     /// Folder for the asset and the pictures; made if missing
     #[arg(short, long, value_name = "FOLDER", default_value = "relume-demo")]
