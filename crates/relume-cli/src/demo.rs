@@ -196,7 +196,7 @@ impl Studio<'_> {
         let options = RenderOptions {
             width: SMALL.0,
             height: SMALL.1,
-            samples_per_pixel: 49,
+            samples_per_pixel: 144,
             bounces: BOUNCES,
             seed: 0,
         };
