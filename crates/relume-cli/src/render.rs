@@ -18,10 +18,10 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     check_extension(&args.output, &["png", "exr"])?;
     let frames = frame_names(args)?;
     let given = [Some(args.asset.as_path()), light_path(&args.light.env)];
-    check_output(
-        &args.output,
-        &given.into_iter().flatten().collect::<Vec<_>>(),
-    )?;
+    let given: Vec<_> = given.into_iter().flatten().collect();
+    frames
+        .iter()
+        .try_for_each(|frame| check_output(frame, &given))?;
     let (asset, world) = inputs::open_asset(&args.asset)?;
     let environment = inputs::open_environment(&args.light.env, &args.light.change)?;
     let light = inputs::project(&environment, asset.transfer.order, &args.light.change)?.light;

@@ -258,6 +258,15 @@ fn inputs_are_not_written_over() {
 }
 
 #[test]
+fn frames_are_not_written_over_the_light() {
+    let bench = Bench::new();
+    bench.bake("baked.glb", "");
+    bench.succeed("render baked.glb --light constant:1,1,1 -o f_1.png --size 8x4");
+    let line = "render baked.glb --light f_1.png -o f_%d.png --frames 2 --sweep light";
+    assert!(bench.fail(1, line).contains("f_1.png: is an input"));
+}
+
+#[test]
 fn every_help_page_shows_examples() {
     let bench = Bench::new();
     assert!(bench.succeed("--help").0.contains("Examples:"));

@@ -122,14 +122,11 @@ impl BakeOptions {
         let receivers = super::receiver::Receivers::new(world).len() as u64;
         let row = 4 * self.order.count() as u64;
         let result = receivers * row * self.channels() as u64;
-        // With bounces: the sum, the last bounce and the next one.
+        // The rows and their copy in the vertices' order; with bounces the sum, the last bounce and the next one.
+        let copies = if self.bounces == 0 { 2 } else { 3 };
         Need {
             result,
-            memory: if self.bounces == 0 {
-                result
-            } else {
-                3 * result
-            },
+            memory: copies * result,
         }
     }
 }

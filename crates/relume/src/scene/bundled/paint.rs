@@ -63,16 +63,7 @@ pub fn mosaic(size: u32, side: f64) -> Texture {
             texels.push([r, g, b, 255]);
         }
     }
-    Texture {
-        width: size,
-        height: size,
-        texels,
-        sampler: Sampler {
-            wrap_u: Wrap::Clamp,
-            wrap_v: Wrap::Clamp,
-            nearest: false,
-        },
-    }
+    square(size, texels)
 }
 
 /// Radius of the round medallion, metres.
@@ -178,6 +169,11 @@ pub fn lattice(size: u32, across: f64) -> Texture {
             texels.push([196, 172, 140, alpha]);
         }
     }
+    square(size, texels)
+}
+
+/// A square texture that does not tile.
+fn square(size: u32, texels: Vec<[u8; 4]>) -> Texture {
     Texture {
         width: size,
         height: size,
