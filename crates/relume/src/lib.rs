@@ -14,7 +14,6 @@
 //!
 //! Conventions (axes, coefficient order, units, what is folded in) stand in `docs/conventions.md`; papers are cited by their key in
 //! `docs/references.bib`.
-#![forbid(unsafe_code)]
 #![cfg_attr(
     test,
     allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")
