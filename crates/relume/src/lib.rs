@@ -30,6 +30,7 @@ pub mod light;
 pub mod reference;
 pub mod scene;
 pub mod shade;
+pub mod simd;
 #[cfg(test)]
 mod test_data;
 

@@ -49,9 +49,11 @@ impl Scratch {
     fn trace(&mut self, stage: &Stage, receiver: &Receiver) {
         self.directions
             .fill(stage.samples, receiver.normal, receiver.seed);
-        stage
-            .tracer
-            .closest_from(receiver.origin, &self.directions.directions, &mut self.hits);
+        stage.tracer.closest_from(
+            receiver.origin,
+            &self.directions.directions.iter().copied().collect(),
+            &mut self.hits,
+        );
         self.sums.fill(0.0);
     }
 

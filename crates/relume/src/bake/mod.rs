@@ -22,3 +22,19 @@ pub use run::bake;
 
 #[cfg(test)]
 mod tests;
+
+#[doc(hidden)]
+pub fn receivers(world: &crate::scene::World, count: usize) -> Vec<receiver::Receiver> {
+    let receivers = receiver::Receivers::new(world);
+    let step = (receivers.len() / count).max(1);
+    (0..receivers.len())
+        .step_by(step)
+        .map(|i| receivers.get(i, 0))
+        .collect()
+}
+#[doc(hidden)]
+pub fn directions(count: u32, normal: glam::Vec3, seed: u64) -> trace::Rays {
+    let mut set = sampling::Directions::new(count as usize);
+    set.fill(count, normal, seed);
+    set.directions.iter().copied().collect()
+}

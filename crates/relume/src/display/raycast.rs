@@ -133,8 +133,8 @@ impl View<'_> {
         let of_pixel = |(x, y)| self.points.iter().map(move |&at| through(x, y, at));
         let directions: Vec<Vec3> = pixels.flat_map(of_pixel).collect();
         let mut hits = vec![Hit::MISS; directions.len()];
-        self.tracer
-            .closest_from(self.rays.eye(), &directions, &mut hits);
+        let rays = directions.iter().copied().collect();
+        self.tracer.closest_from(self.rays.eye(), &rays, &mut hits);
         let samples = self.points.len();
         directions
             .chunks_exact(samples)

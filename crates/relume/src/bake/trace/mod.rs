@@ -2,12 +2,77 @@
 //!
 //! A [`Tracer`] holds a binary BVH (built by `obvhs`) and its triangles in leaf order. Rays of one vertex or one camera share their
 //! origin, so each box and each triangle is moved to that origin once and then met by all rays of a packet.
+//!
+//! ```text
+//! World ──▶ tree ──▶ walk: packet × (tree, triangle) ──▶ Hit, or a bit per ray
+//! ```
 
-mod bvh;
+#[cfg(feature = "embree")]
+pub mod embree;
+mod frustum;
 mod packet;
+mod rays;
+mod tree;
 mod triangle;
+mod walk;
 
-pub use bvh::Tracer;
+use glam::Vec3;
+
+use crate::scene::World;
+use crate::simd::Level;
+
+pub use rays::Rays;
+pub use walk::rays_of;
+
+/// Finds surfaces along rays that share an origin.
+///
+/// The answer depends on the triangles and the ray alone (nearest first, then lowest index), not on the tree, on the other rays, on the
+/// instruction set or on the order of anything.
+pub struct Tracer<'w> {
+    world: &'w World,
+    tree: tree::Tree,
+    level: Level,
+}
+
+impl<'w> Tracer<'w> {
+    /// Builds the tree over all triangles of `world`.
+    pub fn new(world: &'w World) -> Self {
+        Self::with_level(world, Level::best())
+    }
+
+    /// [`Self::new`], for an instruction set of choice.
+    pub fn with_level(world: &'w World, level: Level) -> Self {
+        Self {
+            world,
+            tree: tree::Tree::new(world, level.width()),
+            level,
+        }
+    }
+
+    /// The first surface along each ray `origin + t · rays[i]`, t > 0, into `hits[i]`.
+    ///
+    /// Neighbours in the list should point alike: they travel together.
+    pub fn closest_from(&self, origin: Vec3, rays: &Rays, hits: &mut [Hit]) {
+        assert_eq!(rays.len(), hits.len(), "one hit per ray");
+        self.level.run(walk::Closest {
+            tracer: self,
+            origin,
+            rays,
+            hits,
+        });
+    }
+
+    /// Which rays meet nothing: bit i mod 64 of `open[i / 64]` ([`rays_of`] lists them).
+    pub fn open_from(&self, origin: Vec3, rays: &Rays, open: &mut [u64]) {
+        assert_eq!(rays.words(), open.len(), "one bit per ray");
+        self.level.run(walk::Open {
+            tracer: self,
+            origin,
+            rays,
+            open,
+        });
+    }
+}
 
 /// The first surface along a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]

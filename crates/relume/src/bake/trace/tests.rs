@@ -4,6 +4,7 @@ use super::super::sampling::{frame, vertex_seed};
 use super::test_worlds::{mesh_of, world_of};
 use super::*;
 use crate::scene::{AlphaMode, Group, Material, Sampler, Texture, World, Wrap};
+use crate::simd::Level;
 
 fn solid(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> World {
     world_of(
@@ -40,6 +41,10 @@ fn bumpy_torus(rings: u32, sides: u32) -> World {
     solid(positions.collect(), triangles.collect())
 }
 
+fn rays(directions: &[Vec3]) -> Rays {
+    directions.iter().copied().collect()
+}
+
 /// A deterministic stream of numbers in 0…1.
 fn numbers(seed: u64) -> impl FnMut() -> f32 {
     let mut count = 0.0;
@@ -72,7 +77,7 @@ fn no_ray_leaks_through_corners_and_edges_of_a_closed_mesh() {
             .collect();
         let directions: Vec<Vec3> = targets.iter().map(|p| (p - origin).normalize()).collect();
         hits.resize(directions.len(), Hit::MISS);
-        tracer.closest_from(origin, &directions, &mut hits);
+        tracer.closest_from(origin, &rays(&directions), &mut hits);
         cast += hits.len();
         // A ray may only meet a front first where it grazes a silhouette: there it leaves and enters at one point, its target.
         leaked += std::iter::zip(&hits, &targets)
@@ -113,7 +118,7 @@ fn rays_along_the_axes_meet_the_corners_and_edges_of_a_box() {
         .filter_map(Vec3::try_normalize)
         .collect();
     let mut hits = vec![Hit::MISS; directions.len()];
-    Tracer::new(&world).closest_from(Vec3::ZERO, &directions, &mut hits);
+    Tracer::new(&world).closest_from(Vec3::ZERO, &rays(&directions), &mut hits);
     for (hit, d) in hits.iter().zip(&directions) {
         assert!(hit.is_hit() && !hit.front, "{d} leaks");
         assert!(
@@ -137,7 +142,7 @@ fn every_hit_is_the_nearest_by_a_plain_search_in_f64() {
             .map(|i| (normal.normalize() + tangent * (i as f32 / 40.0 - 1.0)).normalize())
             .collect();
         let mut hits = vec![Hit::MISS; directions.len()];
-        tracer.closest_from(origin, &directions, &mut hits);
+        tracer.closest_from(origin, &rays(&directions), &mut hits);
         for (hit, &d) in hits.iter().zip(&directions) {
             let expected = plain_search(&world, origin, d);
             assert_eq!(hit.is_hit(), expected.is_some());
@@ -184,11 +189,46 @@ fn a_ray_finds_the_same_whoever_travels_with_it() {
         .map(|_| (Vec3::from([number(), number(), number()]) - 0.5).normalize())
         .collect();
     let mut together = vec![Hit::MISS; directions.len()];
-    tracer.closest_from(origin, &directions, &mut together);
+    tracer.closest_from(origin, &rays(&directions), &mut together);
     for (d, expected) in directions.iter().zip(&together) {
         let mut alone = [Hit::MISS];
-        tracer.closest_from(origin, &[*d], &mut alone);
+        tracer.closest_from(origin, &rays(&[*d]), &mut alone);
         assert_eq!(alone[0], *expected);
+    }
+}
+
+#[test]
+fn every_instruction_set_finds_the_same_and_open_rays_are_those_that_miss() {
+    let world = bumpy_torus(48, 24);
+    let plain = Tracer::with_level(&world, Level::PORTABLE);
+    let mut number = numbers(4);
+    for count in [1, 63, 64, 65, 1000] {
+        let origin = Vec3::new(number(), number(), number());
+        // Half of them through corners, where doubt is largest.
+        let through = |i: usize| world.positions[i % world.positions.len()] - origin;
+        let directions: Vec<Vec3> = (0..count)
+            .map(|i| {
+                if i % 2 == 0 {
+                    through(7 * i)
+                } else {
+                    Vec3::new(number(), number(), number()) - 0.5
+                }
+            })
+            .map(Vec3::normalize)
+            .collect();
+        let rays = rays(&directions);
+        let mut expected = vec![Hit::MISS; count];
+        plain.closest_from(origin, &rays, &mut expected);
+        let missed: Vec<usize> = (0..count).filter(|&i| !expected[i].is_hit()).collect();
+        for &level in Level::here() {
+            let tracer = Tracer::with_level(&world, level);
+            let mut hits = vec![Hit::MISS; count];
+            tracer.closest_from(origin, &rays, &mut hits);
+            assert_eq!(hits, expected, "{level}");
+            let mut open = vec![0; rays.words()];
+            tracer.open_from(origin, &rays, &mut open);
+            assert_eq!(rays_of(&open).collect::<Vec<_>>(), missed, "{level}");
+        }
     }
 }
 
@@ -228,14 +268,20 @@ fn an_alpha_mask_lets_rays_through_its_holes() {
     let origin = Vec3::new(0.5, 0.5, 3.0);
     let directions = [0.2, 0.8].map(|x| (Vec3::new(x, 0.4, 1.0) - origin).normalize());
     let mut hits = [Hit::MISS; 2];
-    Tracer::new(&world).closest_from(origin, &directions, &mut hits);
+    Tracer::new(&world).closest_from(origin, &rays(&directions), &mut hits);
     assert!(hits[0].t > 2.5 && hits[1].t < 2.5, "{hits:?}");
     assert!(hits.iter().all(|hit| hit.front));
+    // Without the wall, the sky is seen through the hole alone.
+    let mut leaf_alone = world.clone();
+    leaf_alone.triangles.truncate(2);
+    let mut open = [0];
+    Tracer::new(&leaf_alone).open_from(origin, &rays(&directions), &mut open);
+    assert_eq!(open, [0b01]);
 }
 
 #[test]
 fn a_world_without_triangles_is_all_sky() {
     let mut hits = [Hit::MISS];
-    Tracer::new(&World::default()).closest_from(Vec3::ZERO, &[Vec3::Y], &mut hits);
+    Tracer::new(&World::default()).closest_from(Vec3::ZERO, &rays(&[Vec3::Y]), &mut hits);
     assert_eq!(hits, [Hit::MISS]);
 }

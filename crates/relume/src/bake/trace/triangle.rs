@@ -1,30 +1,31 @@
-//! One triangle against one ray from the origin: edge functions whose signs can be trusted.
+//! Triangles against rays from one origin: edge functions whose signs can be trusted.
 //!
 //! With the corners a, b, c taken relative to the common origin, the ray of direction d passes the edge from p to q on the side that the
 //! sign of `d · (p × q)` tells. Written as `½ d · ((p − q) × (p + q))` [davidovic2012] the two triangles at an edge compute exactly
 //! opposite numbers, so a ray is on one side or the other, or exactly on the edge and then counts for both. Around a shared corner,
-//! rounding could still push a ray out of every triangle of the fan: f32 therefore only rules triangles out, beyond its own rounding error,
-//! and what is left is decided in f64.
+//! rounding could still push a ray out of every triangle of the fan: f32 therefore decides only beyond its own rounding error, and what is
+//! left is decided in f64.
 
 use glam::{DVec3, Vec3};
 
-/// What of a triangle does not depend on the ray.
-pub struct Relative {
-    /// Twice the edge functions' vectors, edges bc, ca, ab: dotted with a direction, they weigh the corners a, b, c.
-    pub edges: [Vec3; 3],
+use crate::simd::{Lanes, Mask};
+
+/// What of a leaf's triangles does not depend on the ray, side by side.
+///
+/// All signs are those of triangles whose planes rays from the origin meet with `normal · d > 0`: a ray is inside where no edge function is negative.
+pub struct Shapes {
+    /// Twice the edge functions' vectors, edges bc, ca, ab, by component: dotted with a direction, they weigh the corners a, b, c.
+    pub edges: [[[f32; 16]; 3]; 3],
     /// Below this absolute value the sign of an edge function (for a unit direction) is not certain.
-    pub doubts: [f32; 3],
-    /// Relative to the origin, rounded to f32 once, so that all triangles at a corner agree where it is.
-    corners: [Vec3; 3],
+    pub doubts: [[f32; 16]; 3],
+    /// `(b − a) × (c − a)`, turned away from the origin, by component.
+    pub normal: [[f32; 16]; 3],
+    /// `normal · a`; positive.
+    pub height: [f32; 16],
 }
 
-/// Where a ray meets a triangle.
-pub struct Meeting {
-    pub t: f32,
-    pub u: f32,
-    pub v: f32,
-    pub front: bool,
-}
+/// Corners a, b, c by component, side by side.
+pub type Corners<L> = [[L; 3]; 3];
 
 /// Bound of the rounding error of `d · ((p−q) × (p+q))` in units of |p−q|₁ |p+q|₁, for |d| = 1.
 ///
@@ -32,58 +33,149 @@ pub struct Meeting {
 /// p + q by one each; 16 half-ulps (2⁻²⁴) cover that. Sums of absolute values bound the lengths without a square root.
 const DOUBT: f32 = 16.0 / (1 << 24) as f32;
 
-impl Relative {
+impl Shapes {
     #[inline(always)]
-    pub fn new([a, b, c]: [Vec3; 3], origin: Vec3) -> Self {
-        let (a, b, c) = (a - origin, b - origin, c - origin);
-        let (bc, ca, ab) = (Edge::new(b, c), Edge::new(c, a), Edge::new(a, b));
+    pub fn empty() -> Self {
         Self {
-            edges: [bc.vector, ca.vector, ab.vector],
-            doubts: [bc.doubt, ca.doubt, ab.doubt],
-            corners: [a, b, c],
+            edges: [[[0.0; 16]; 3]; 3],
+            doubts: [[0.0; 16]; 3],
+            normal: [[0.0; 16]; 3],
+            height: [0.0; 16],
         }
     }
 
-    /// The intersection, decided in f64.
-    ///
-    /// Products of two f32 are exact in f64, so signs are right to 2⁻⁵⁰; an edge function that is 0 even so counts as inside.
-    pub fn intersect(&self, direction: Vec3) -> Option<Meeting> {
-        let d = direction.as_dvec3();
-        let [a, b, c] = self.corners;
-        let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
-        let edge = |p: DVec3, q: DVec3| d.dot((p - q).cross(p + q));
-        let (e, f, g) = (edge(b, c), edge(c, a), edge(a, b));
-        let inside = (e >= 0.0 && f >= 0.0 && g >= 0.0) || (e <= 0.0 && f <= 0.0 && g <= 0.0);
-        let sum = e + f + g;
-        if !inside || sum == 0.0 {
-            return None;
+    /// Fills in the triangles with these corners relative to the origin; returns those that some ray can meet: not edge on.
+    #[inline(always)]
+    pub fn fill<L: Lanes>(&mut self, corners: &Corners<L>, wanted: u32) -> u32 {
+        let [a, b, c] = *corners;
+        let (ab, ac) = (minus(b, a), minus(c, a));
+        let normal = cross(ab, ac);
+        let height = dot(normal, a);
+        // Each component of the normal is off by 3 half-ulps of its terms, and the sum by 3 more of its own.
+        let error = L::splat(DOUBT) * size(ab) * size(ac) * size(a);
+        let unsure = wanted & !(error.below(absolute(height))).bits();
+        let mut sign = L::select(height.below(L::splat(0.0)), L::splat(-1.0), L::splat(1.0));
+        let mut height = absolute(height);
+        let mut useful = wanted;
+        if unsure != 0 {
+            let (mut signs, mut heights) = ([1.0; 16], [0.0; 16]);
+            sign.store(&mut signs);
+            height.store(&mut heights);
+            for lane in (0..L::COUNT).filter(|lane| unsure >> lane & 1 != 0) {
+                let exact = exact_height(at(corners, lane));
+                useful &= !(u32::from(exact == 0.0 || exact.is_nan()) << lane);
+                signs[lane] = 1.0_f32.copysign(exact as f32);
+                heights[lane] = exact.abs() as f32;
+            }
+            sign = L::load(&signs);
+            height = L::load(&heights);
         }
-        let normal = (b - a).cross(c - a);
-        let along = normal.dot(d);
-        let t = (normal.dot(a) / along) as f32;
-        (t > 0.0 && t.is_finite()).then(|| Meeting {
-            t,
-            u: (f / sum) as f32,
-            v: (g / sum) as f32,
-            front: along < 0.0,
-        })
+        // Seen from the back, the corners run the other way.
+        self.edge::<L>(0, b, c, sign);
+        self.edge::<L>(1, c, a, sign);
+        self.edge::<L>(2, a, b, sign);
+        for axis in 0..3 {
+            (normal[axis] * sign).store(&mut self.normal[axis]);
+        }
+        height.store(&mut self.height);
+        useful
+    }
+
+    /// The edge function from p to q.
+    #[inline(always)]
+    fn edge<L: Lanes>(&mut self, edge: usize, p: [L; 3], q: [L; 3], sign: L) {
+        let (along, across) = (minus(p, q), [p[0] + q[0], p[1] + q[1], p[2] + q[2]]);
+        let vector = cross(along, across);
+        for axis in 0..3 {
+            (vector[axis] * sign).store(&mut self.edges[edge][axis]);
+        }
+        (L::splat(DOUBT) * size(along) * size(across)).store(&mut self.doubts[edge]);
     }
 }
 
-/// The edge function from p to q.
-struct Edge {
-    vector: Vec3,
-    doubt: f32,
+#[inline(always)]
+fn minus<L: Lanes>(a: [L; 3], b: [L; 3]) -> [L; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-impl Edge {
-    #[inline(always)]
-    fn new(p: Vec3, q: Vec3) -> Self {
-        let (along, across) = (p - q, p + q);
-        let size = |v: Vec3| v.x.abs() + v.y.abs() + v.z.abs();
-        Self {
-            vector: along.cross(across),
-            doubt: DOUBT * size(along) * size(across),
+#[inline(always)]
+fn cross<L: Lanes>(a: [L; 3], b: [L; 3]) -> [L; 3] {
+    [
+        a[1] * b[2] - b[1] * a[2],
+        a[2] * b[0] - b[2] * a[0],
+        a[0] * b[1] - b[0] * a[1],
+    ]
+}
+
+#[inline(always)]
+fn dot<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn absolute<L: Lanes>(x: L) -> L {
+    x.most(L::splat(0.0) - x)
+}
+
+/// The sum of absolute values.
+#[inline(always)]
+fn size<L: Lanes>(a: [L; 3]) -> L {
+    absolute(a[0]) + absolute(a[1]) + absolute(a[2])
+}
+
+/// The corners of one of the triangles.
+#[inline(always)]
+pub fn at<L: Lanes>(corners: &Corners<L>, lane: usize) -> [Vec3; 3] {
+    let mut picked = [[0.0; 3]; 3];
+    for (corner, picked) in corners.iter().zip(&mut picked) {
+        for (component, picked) in corner.iter().zip(picked) {
+            let mut lanes = [0.0; 16];
+            component.store(&mut lanes);
+            *picked = lanes[lane];
         }
     }
+    picked.map(Vec3::from_array)
+}
+
+/// The distance to a triangle with corners relative to the origin, decided in f64.
+///
+/// Products of two f32 are exact in f64, so signs are right to 2⁻⁵⁰; an edge function that is 0 even so counts as inside.
+#[cold]
+pub fn intersect(corners: [Vec3; 3], direction: Vec3) -> Option<f32> {
+    let d = direction.as_dvec3();
+    let (e, sum) = exact_edges(corners, d);
+    let inside = e.iter().all(|&e| e >= 0.0) || e.iter().all(|&e| e <= 0.0);
+    if !inside || sum == 0.0 {
+        return None;
+    }
+    let [a, b, c] = precise(corners);
+    let along = (b - a).cross(c - a).dot(d);
+    let t = (exact_height(corners) / along) as f32;
+    (t > 0.0 && t.is_finite()).then_some(t)
+}
+
+/// Barycentric weights (u, v) of the second and third corner where a ray meets the triangle, and whether it meets the front.
+pub fn weights(corners: [Vec3; 3], origin: Vec3, direction: Vec3) -> (f32, f32, bool) {
+    let corners = corners.map(|corner| corner - origin);
+    let (e, sum) = exact_edges(corners, direction.as_dvec3());
+    let front = exact_height(corners) < 0.0;
+    ((e[1] / sum) as f32, (e[2] / sum) as f32, front)
+}
+
+/// `(b − a) × (c − a) · a`: negative where the front faces the origin.
+fn exact_height(corners: [Vec3; 3]) -> f64 {
+    let [a, b, c] = precise(corners);
+    (b - a).cross(c - a).dot(a)
+}
+
+/// The edge functions in f64, and their sum.
+fn exact_edges(corners: [Vec3; 3], d: DVec3) -> ([f64; 3], f64) {
+    let [a, b, c] = precise(corners);
+    let edge = |p: DVec3, q: DVec3| d.dot((p - q).cross(p + q));
+    let edges = [edge(b, c), edge(c, a), edge(a, b)];
+    (edges, edges[0] + edges[1] + edges[2])
+}
+
+fn precise(corners: [Vec3; 3]) -> [DVec3; 3] {
+    corners.map(|corner| corner.as_dvec3())
 }

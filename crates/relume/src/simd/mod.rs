@@ -1,0 +1,240 @@
+//! Vectors of f32 for the kernels: written once over [`Lanes`], compiled for each instruction set, chosen when the program runs.
+//!
+//! Every operation is one IEEE operation per lane (no fused multiply-add, no reciprocal estimates), and kernels add in an order that does
+//! not depend on the width of a vector, so all instruction sets give the same bits.
+//!
+//! `unsafe` stands here alone: the compiler cannot know that a function compiled for AVX-512 is only called where the processor has it. A
+//! [`Level`] is the proof: it is made by asking the processor, and only [`Level::run`] enters such functions.
+
+mod portable;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+use std::fmt::{self, Display, Formatter};
+use std::ops::{Add, BitAnd, BitOr, Mul, Sub};
+use std::str::FromStr;
+
+/// A vector of f32.
+pub trait Lanes:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + 'static
+{
+    /// How many.
+    const COUNT: usize;
+    /// One truth value per lane.
+    type Mask: Mask;
+
+    /// `x` in every lane.
+    fn splat(x: f32) -> Self;
+    /// The first [`Self::COUNT`] numbers of `from`; panics where there are fewer.
+    fn load(from: &[f32]) -> Self;
+    /// Four numbers, then zeros.
+    fn load4(from: [f32; 4]) -> Self;
+    /// Asks for the memory at `values` ahead of time, where the processor can.
+    fn prefetch(values: &[f32]);
+    /// Into the first [`Self::COUNT`] places of `to`; panics where there are fewer.
+    fn store(self, to: &mut [f32]);
+    /// The quotient.
+    fn over(self, divisor: Self) -> Self;
+    /// `a < b ? a : b`.
+    fn least(self, other: Self) -> Self;
+    /// `a > b ? a : b`.
+    fn most(self, other: Self) -> Self;
+    /// `a <= b`.
+    fn at_most(self, other: Self) -> Self::Mask;
+    /// `a < b`.
+    fn below(self, other: Self) -> Self::Mask;
+    /// `yes` where the mask is set, `no` elsewhere.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+}
+
+/// One truth value per lane.
+pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
+    /// Bit i: lane i.
+    fn bits(self) -> u32;
+    /// Lane i: bit i.
+    fn from_bits(bits: u32) -> Self;
+}
+
+/// Work that is written once for every kind of vector. `run` and all it calls should be `#[inline(always)]`.
+pub trait Kernel {
+    /// What it gives.
+    type Output;
+    /// The work.
+    fn run<L: Lanes>(self) -> Self::Output;
+}
+
+/// An instruction set this processor has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Level(Set);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Set {
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl Level {
+    /// What every machine has.
+    pub const PORTABLE: Self = Self(Set::Portable);
+
+    /// The widest this processor has.
+    pub fn best() -> Self {
+        *Self::here().last().unwrap_or(&Self::PORTABLE)
+    }
+
+    /// All that this processor has, the widest last.
+    pub fn here() -> &'static [Self] {
+        #[cfg(target_arch = "x86_64")]
+        {
+            const ALL: &[Level] = &[Level::PORTABLE, Level(Set::Avx2), Level(Set::Avx512)];
+            let avx2 = is_x86_feature_detected!("avx2");
+            let avx512 = avx2 && is_x86_feature_detected!("avx512f");
+            &ALL[..1 + usize::from(avx2) + usize::from(avx512)]
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        &[Self::PORTABLE]
+    }
+
+    /// Lanes of its vectors.
+    pub fn width(self) -> usize {
+        struct Width;
+        impl Kernel for Width {
+            type Output = usize;
+            #[inline(always)]
+            fn run<L: Lanes>(self) -> usize {
+                L::COUNT
+            }
+        }
+        self.run(Width)
+    }
+
+    /// Runs `kernel` compiled for this instruction set.
+    #[inline]
+    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        match self.0 {
+            Set::Portable => kernel.run::<portable::F32x8>(),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => x86::run_avx2(self, kernel),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => x86::run_avx512(self, kernel),
+        }
+    }
+}
+
+impl Display for Level {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        f.write_str(match self.0 {
+            Set::Portable => "portable",
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => "avx512",
+        })
+    }
+}
+
+impl FromStr for Level {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        let named = Self::here().iter().find(|level| level.to_string() == name);
+        named.copied().ok_or_else(|| {
+            let here: Vec<String> = Self::here().iter().map(ToString::to_string).collect();
+            format!("this processor offers {}", here.join(", "))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Everything<'a>(&'a [f32], &'a [f32]);
+
+    impl Kernel for Everything<'_> {
+        type Output = Vec<f32>;
+
+        #[inline(always)]
+        fn run<L: Lanes>(self) -> Vec<f32> {
+            let mut results = Vec::new();
+            let mut keep = |vectors: &[L]| {
+                for vector in vectors {
+                    let mut lanes = [0.0; 16];
+                    vector.store(&mut lanes);
+                    results.push(lanes[..L::COUNT].to_vec());
+                }
+            };
+            for (a, b) in self.0.chunks(L::COUNT).zip(self.1.chunks(L::COUNT)) {
+                let (a, b) = (L::load(a), L::load(b));
+                let (low, equal) = (a.below(b), a.at_most(b));
+                let chosen = L::select(low | equal, a, L::splat(7.0));
+                let both = L::select(low & equal, a, b);
+                let bits = L::select(L::Mask::from_bits(low.bits()), a, b);
+                keep(&[
+                    a + b,
+                    a - b,
+                    a * b,
+                    a.over(b),
+                    a.least(b),
+                    a.most(b),
+                    chosen,
+                    both,
+                    bits,
+                ]);
+            }
+            // By operation, then by lane: the same list whatever the width.
+            (0..9)
+                .flat_map(|op| {
+                    results
+                        .iter()
+                        .skip(op)
+                        .step_by(9)
+                        .flatten()
+                        .copied()
+                        .collect::<Vec<_>>()
+                })
+                .collect()
+        }
+    }
+
+    #[test]
+    fn all_instruction_sets_agree_to_the_bit() {
+        let special = [
+            0.0,
+            -0.0,
+            1.0,
+            -1.5,
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+            f32::NAN,
+            1e-40,
+            3.4e38,
+        ];
+        let a: Vec<f32> = (0..144).map(|i| special[i % 9]).collect();
+        let b: Vec<f32> = (0..144).map(|i| special[(i / 9) % 9]).collect();
+        let bits = |level: Level| -> Vec<u32> {
+            let values = level.run(Everything(&a, &b));
+            // Which NaN comes out of an operation is not promised.
+            values
+                .iter()
+                .map(|x| if x.is_nan() { 0 } else { x.to_bits() })
+                .collect()
+        };
+        let expected = bits(Level::PORTABLE);
+        assert_eq!(expected.len(), 9 * 144);
+        Level::here()
+            .iter()
+            .for_each(|&level| assert!(bits(level) == expected, "{level}"));
+    }
+
+    #[test]
+    fn names_are_read_back_and_others_refused() {
+        Level::here()
+            .iter()
+            .for_each(|level| assert_eq!(level.to_string().parse(), Ok(*level)));
+        assert!("sse9".parse::<Level>().unwrap_err().contains("portable"));
+    }
+}

@@ -1,0 +1,134 @@
+//! Vectors as arrays, for every machine; compilers turn them into what the machine has.
+
+use std::ops::{Add, BitAnd, BitOr, Mul, Sub};
+
+use super::{Lanes, Mask};
+
+const COUNT: usize = 8;
+
+#[derive(Clone, Copy)]
+pub struct F32x8([f32; COUNT]);
+
+/// All ones or zero in each lane.
+#[derive(Clone, Copy)]
+pub struct Mask8([u32; COUNT]);
+
+impl F32x8 {
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
+        Self(std::array::from_fn(|i| f(self.0[i], other.0[i])))
+    }
+
+    #[inline(always)]
+    fn compare(self, other: Self, f: impl Fn(f32, f32) -> bool) -> Mask8 {
+        Mask8(std::array::from_fn(|i| {
+            u32::from(f(self.0[i], other.0[i])).wrapping_neg()
+        }))
+    }
+}
+
+impl Lanes for F32x8 {
+    const COUNT: usize = COUNT;
+    type Mask = Mask8;
+
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        Self([x; COUNT])
+    }
+    #[inline(always)]
+    fn load(from: &[f32]) -> Self {
+        let mut lanes = [0.0; COUNT];
+        lanes.copy_from_slice(&from[..COUNT]);
+        Self(lanes)
+    }
+    #[inline(always)]
+    fn load4([a, b, c, d]: [f32; 4]) -> Self {
+        Self([a, b, c, d, 0.0, 0.0, 0.0, 0.0])
+    }
+    #[inline(always)]
+    fn prefetch(_: &[f32]) {}
+    #[inline(always)]
+    fn store(self, to: &mut [f32]) {
+        to[..COUNT].copy_from_slice(&self.0);
+    }
+    #[inline(always)]
+    fn over(self, divisor: Self) -> Self {
+        self.zip(divisor, |a, b| a / b)
+    }
+    #[inline(always)]
+    fn least(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a < b { a } else { b })
+    }
+    #[inline(always)]
+    fn most(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a > b { a } else { b })
+    }
+    #[inline(always)]
+    fn at_most(self, other: Self) -> Mask8 {
+        self.compare(other, |a, b| a <= b)
+    }
+    #[inline(always)]
+    fn below(self, other: Self) -> Mask8 {
+        self.compare(other, |a, b| a < b)
+    }
+    #[inline(always)]
+    fn select(mask: Mask8, yes: Self, no: Self) -> Self {
+        Self(std::array::from_fn(|i| {
+            if mask.0[i] != 0 { yes.0[i] } else { no.0[i] }
+        }))
+    }
+}
+
+impl Add for F32x8 {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+}
+
+impl Sub for F32x8 {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+}
+
+impl Mul for F32x8 {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.zip(other, |a, b| a * b)
+    }
+}
+
+impl Mask for Mask8 {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        self.0
+            .iter()
+            .enumerate()
+            .fold(0, |bits, (i, lane)| bits | (lane & 1) << i)
+    }
+    #[inline(always)]
+    fn from_bits(bits: u32) -> Self {
+        Self(std::array::from_fn(|i| (bits >> i & 1).wrapping_neg()))
+    }
+}
+
+impl BitAnd for Mask8 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(std::array::from_fn(|i| self.0[i] & other.0[i]))
+    }
+}
+
+impl BitOr for Mask8 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(std::array::from_fn(|i| self.0[i] | other.0[i]))
+    }
+}
