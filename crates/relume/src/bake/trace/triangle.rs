@@ -156,26 +156,34 @@ pub fn intersect(corners: [Vec3; 3], direction: Vec3) -> Option<f32> {
 
 /// Barycentric weights (u, v) of the second and third corner where a ray meets the triangle, and whether it meets the front.
 pub fn weights(corners: [Vec3; 3], origin: Vec3, direction: Vec3) -> (f32, f32, bool) {
-    let corners = corners.map(|corner| corner - origin);
+    let [a, b, c] = corners;
+    let corners = [a - origin, b - origin, c - origin];
     let (e, sum) = exact_edges(corners, direction.as_dvec3());
     let front = exact_height(corners) < 0.0;
     ((e[1] / sum) as f32, (e[2] / sum) as f32, front)
 }
 
 /// `(b − a) × (c − a) · a`: negative where the front faces the origin.
+#[inline(always)]
 fn exact_height(corners: [Vec3; 3]) -> f64 {
     let [a, b, c] = precise(corners);
     (b - a).cross(c - a).dot(a)
 }
 
 /// The edge functions in f64, and their sum.
+#[inline(always)]
 fn exact_edges(corners: [Vec3; 3], d: DVec3) -> ([f64; 3], f64) {
     let [a, b, c] = precise(corners);
-    let edge = |p: DVec3, q: DVec3| d.dot((p - q).cross(p + q));
-    let edges = [edge(b, c), edge(c, a), edge(a, b)];
+    let edges = [
+        d.dot((b - c).cross(b + c)),
+        d.dot((c - a).cross(c + a)),
+        d.dot((a - b).cross(a + b)),
+    ];
     (edges, edges[0] + edges[1] + edges[2])
 }
 
+#[inline(always)]
 fn precise(corners: [Vec3; 3]) -> [DVec3; 3] {
-    corners.map(|corner| corner.as_dvec3())
+    let [a, b, c] = corners;
+    [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()]
 }
