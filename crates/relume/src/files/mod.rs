@@ -1,9 +1,13 @@
-//! Writing files whole or not at all.
+//! Writing files whole or not at all, and numbers that live in memory or in a file.
+
+mod rows;
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::sync::{PoisonError, RwLock};
+
+pub use rows::{Rows, le_bytes};
 
 /// Held for reading while a file is being written.
 static WRITING: RwLock<()> = RwLock::new(());
