@@ -3,6 +3,7 @@
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use super::CheckpointError;
 use super::error::{failed, shown};
@@ -15,6 +16,8 @@ const HEADER: &str = "relume-checkpoint.json";
 /// Endings of a stream's two files.
 pub const TILES: &str = "tiles";
 pub const JOURNAL: &str = "journal";
+/// How often a lock that another holds is asked for, a hundredth of a second apart.
+const PATIENCE: u32 = 30;
 /// No header is longer than this.
 const LONGEST_HEADER: u64 = 1 << 20;
 
@@ -30,7 +33,7 @@ pub struct Survey {
 pub fn lock(folder: &Path) -> Result<File, CheckpointError> {
     let path = folder.join(LOCK);
     // A bake that ends takes the folder away: the lock that was opened may be gone by the time it is ours.
-    for _ in 0..100 {
+    for attempt in 0..100 {
         match fs::create_dir(folder) {
             Ok(()) => {}
             Err(error) if error.kind() == ErrorKind::AlreadyExists => match survey(folder) {
@@ -51,6 +54,10 @@ pub fn lock(folder: &Path) -> Result<File, CheckpointError> {
         match file.try_lock() {
             Ok(()) if is_at(&file, &path) => return Ok(file),
             Ok(()) => {}
+            // A bake that was just killed, or a child that it was just starting, lets go in a moment.
+            Err(TryLockError::WouldBlock) if attempt < PATIENCE => {
+                std::thread::sleep(Duration::from_millis(10));
+            }
             Err(TryLockError::WouldBlock) => {
                 let folder = shown(folder);
                 return Err(CheckpointError::Locked { folder });
