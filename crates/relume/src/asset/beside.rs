@@ -15,7 +15,7 @@ use crate::files::printable;
 
 /// How such a file begins, so that no other is ever written over. The transfer follows.
 pub const MAGIC: &[u8; 16] = b"RELUME_transfer\n";
-/// What stands in a URI as it is [rfc3986, §2.3].
+/// What stands in a URI as it is (RFC 3986 §2.3).
 const ENCODED: &AsciiSet = &NON_ALPHANUMERIC
     .remove(b'-')
     .remove(b'.')
