@@ -87,6 +87,7 @@ fn check_room(
 ) -> Result<(), Failure> {
     let need = options.need(world);
     let file = asset::predicted_size(scene, options.order, options.channels())?;
+    asset::check_place(output, file)?;
     eprintln!(
         "{} vertices × {} coefficients × {} channel{}: {} of transfer, {} on disk",
         grouped(world.positions.len() as u64),

@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::AssetError;
 use super::container::{Bin, Container, Part};
-use super::{header, strip};
+use super::{beside, header, strip};
 use crate::scene::Document;
 
 /// glTF's numbers for the types of components [gltf2, §3.6.2.2].
@@ -22,6 +22,8 @@ pub struct Builder<'a> {
     /// The document, an object. Its one buffer's length is set at the end.
     pub json: Value,
     bin: Bin<'a>,
+    /// Buffer 1, a file of its own: its URI and its content.
+    beside: Option<(String, Bin<'a>)>,
 }
 
 impl<'a> Builder<'a> {
@@ -33,6 +35,7 @@ impl<'a> Builder<'a> {
                 "buffers": [{}],
             }),
             bin: Bin::default(),
+            beside: None,
         }
     }
 
@@ -45,7 +48,11 @@ impl<'a> Builder<'a> {
         let length = strip::strip(&mut json, document.bin.len());
         let mut bin = Bin::default();
         bin.push(Part::Bytes(Cow::Borrowed(&document.bin[..length])));
-        Ok(Self { json, bin })
+        Ok(Self {
+            json,
+            bin,
+            beside: None,
+        })
     }
 
     /// The array `key` of the document, made if it is not there.
@@ -58,6 +65,31 @@ impl<'a> Builder<'a> {
         let array = self.array(key)?;
         array.push(value);
         Ok(array.len() - 1)
+    }
+
+    /// From now on transfer goes to a file of its own.
+    pub fn put_transfer_beside(&mut self, uri: String) {
+        let mut bin = Bin::default();
+        bin.push(Part::Bytes(Cow::Borrowed(beside::MAGIC)));
+        self.beside = Some((uri, bin));
+    }
+
+    /// What goes to the file of its own.
+    pub fn beside(&self) -> Option<&Bin<'a>> {
+        self.beside.as_ref().map(|(_, bin)| bin)
+    }
+
+    /// Appends transfer as a buffer view.
+    pub fn transfer_view(&mut self, part: Part<'a>) -> Result<usize, AssetError> {
+        let Some((_, bin)) = &mut self.beside else {
+            return self.view(part);
+        };
+        let length = part.len();
+        let offset = bin.push(part);
+        self.add(
+            "bufferViews",
+            json!({ "buffer": 1, "byteOffset": offset, "byteLength": length }),
+        )
     }
 
     /// Appends bytes as a buffer view.
@@ -107,9 +139,18 @@ impl<'a> Builder<'a> {
         self.add("accessors", accessor)
     }
 
-    /// The document with the length of its buffer, ready to be written.
+    /// The document with the lengths of its buffers, ready to be written.
     pub fn finish(mut self) -> Result<Container<'a>, AssetError> {
+        let (json, bin, _) = self.close()?;
+        Container::new(json, bin)
+    }
+
+    /// Sets the lengths of the buffers; hands out the document's text, the binary chunk, and what goes to a file of its own. Nothing can be
+    /// added after that.
+    pub fn close(&mut self) -> Result<(Vec<u8>, Bin<'a>, Bin<'a>), AssetError> {
         let length = self.bin.len();
+        let beside = self.beside.as_ref();
+        let beside = beside.map(|(uri, bin)| json!({ "uri": uri, "byteLength": bin.len() }));
         let buffers = self.array("buffers")?;
         if buffers.len() > 1 {
             return Err(malformed("the document has more than one buffer"));
@@ -122,8 +163,11 @@ impl<'a> Builder<'a> {
             return Err(malformed("its buffer is another file"));
         }
         buffer.insert("byteLength".to_owned(), length.into());
+        buffers.extend(beside);
         let json = serde_json::to_vec(&self.json).map_err(std::io::Error::from)?;
-        Container::new(json, self.bin)
+        let beside = self.beside.take().map(|(_, bin)| bin);
+        let bin = std::mem::take(&mut self.bin);
+        Ok((json, bin, beside.unwrap_or_default()))
     }
 }
 

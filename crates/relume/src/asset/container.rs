@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::io::{self, Write};
 
 use super::AssetError;
+use crate::files::le_bytes;
 
 const MAGIC: [u8; 4] = *b"glTF";
 const VERSION: u32 = 2;
@@ -74,24 +75,15 @@ impl Part<'_> {
         }
     }
 
-    fn write(&self, writer: &mut impl Write) -> io::Result<()> {
+    fn write(&self, writer: &mut dyn Write) -> io::Result<()> {
         match self {
             Self::Bytes(bytes) => writer.write_all(bytes),
-            Self::Floats(floats) => write_floats(writer, floats),
+            // In pieces, because a big-endian machine copies.
+            Self::Floats(floats) => floats
+                .chunks(1 << 16)
+                .try_for_each(|piece| writer.write_all(&le_bytes(piece))),
         }
     }
-}
-
-/// Writes little-endian f32 on any machine, without a second copy of the whole.
-fn write_floats(writer: &mut impl Write, floats: &[f32]) -> io::Result<()> {
-    let mut buffer = [0u8; 4096];
-    for chunk in floats.chunks(buffer.len() / 4) {
-        for (bytes, value) in buffer.chunks_exact_mut(4).zip(chunk) {
-            bytes.copy_from_slice(&value.to_le_bytes());
-        }
-        writer.write_all(&buffer[..4 * chunk.len()])?;
-    }
-    Ok(())
 }
 
 /// The binary chunk as a list of parts, each at a multiple of four bytes.
@@ -114,6 +106,22 @@ impl<'a> Bin<'a> {
     pub fn len(&self) -> u64 {
         self.length
     }
+
+    /// Writes the parts in order, zeros between them.
+    pub fn write(&self, writer: &mut dyn Write) -> io::Result<()> {
+        let mut at = 0;
+        for (offset, part) in &self.parts {
+            pad(writer, (offset - at) as usize, 0)?;
+            part.write(writer)?;
+            at = offset + part.len();
+        }
+        Ok(())
+    }
+}
+
+/// Length of a file with JSON and binary chunks of these lengths.
+pub fn total(json: usize, bin: u64) -> u64 {
+    HEADERS + (json as u64).next_multiple_of(4) + bin.next_multiple_of(4)
 }
 
 /// A file ready to be written: its length is known before anything is.
@@ -127,8 +135,7 @@ pub struct Container<'a> {
 impl<'a> Container<'a> {
     /// Refuses what does not fit in 32 bits.
     pub fn new(json: Vec<u8>, bin: Bin<'a>) -> Result<Self, AssetError> {
-        let json_length = (json.len() as u64).next_multiple_of(4);
-        let total = HEADERS + json_length + bin.len().next_multiple_of(4);
+        let total = total(json.len(), bin.len());
         let length = u32::try_from(total).map_err(|_| AssetError::TooLarge(total))?;
         Ok(Self { json, bin, length })
     }
@@ -139,7 +146,7 @@ impl<'a> Container<'a> {
     }
 
     /// Writes the file.
-    pub fn write(&self, writer: &mut impl Write) -> io::Result<()> {
+    pub fn write(&self, writer: &mut dyn Write) -> io::Result<()> {
         let json = self.json.len().next_multiple_of(4);
         let bin = self.bin.len().next_multiple_of(4);
         writer.write_all(&MAGIC)?;
@@ -152,18 +159,13 @@ impl<'a> Container<'a> {
         for word in [bin as u32, BIN] {
             writer.write_all(&word.to_le_bytes())?;
         }
-        let mut at = 0;
-        for (offset, part) in &self.bin.parts {
-            pad(writer, (offset - at) as usize, 0)?;
-            part.write(writer)?;
-            at = offset + part.len();
-        }
-        pad(writer, (bin - at) as usize, 0)
+        self.bin.write(writer)?;
+        pad(writer, (bin - self.bin.len()) as usize, 0)
     }
 }
 
 /// At most three bytes.
-fn pad(writer: &mut impl Write, count: usize, with: u8) -> io::Result<()> {
+fn pad(writer: &mut dyn Write, count: usize, with: u8) -> io::Result<()> {
     writer.write_all(&[with; 3][..count])
 }
 

@@ -38,9 +38,27 @@ pub enum AssetError {
     Scene(#[from] crate::scene::SceneError),
     /// A `.glb` counts its bytes in 32 bits.
     #[error(
-        "the asset takes {0} bytes, but a .glb ends at 4294967295; lower --order, or bake with --bounces 0 for one channel"
+        "the asset takes {0} bytes in one piece, but a .glb ends at 4294967295; write it to a file, and its transfer goes beside it"
     )]
     TooLarge(u64),
+    /// Not even the transfer beside it makes it small enough.
+    #[error("the scene takes {0} bytes without transfer, but a .glb ends at 4294967295; split it")]
+    SceneTooLarge(u64),
+    /// The transfer would be written over a file that is none of Relume's.
+    #[error(
+        "past 4 GiB its transfer goes to \"{0}\" beside it, but there stands a file that relume did not write; move that away, or choose another output"
+    )]
+    InTheWay(String),
+    /// The file beside it that holds the transfer is missing, or of another asset.
+    #[error(
+        "its transfer is in \"{name}\" beside it, which {what}; put the two files that were written together side by side, or bake again"
+    )]
+    Beside {
+        /// The file, fit to print.
+        name: String,
+        /// What is wrong with it.
+        what: String,
+    },
     /// The scene holds something that a `.glb` cannot say.
     #[error("{0}")]
     Unwritable(String),

@@ -41,6 +41,18 @@ pub struct Header {
     albedo: Option<[f32; 3]>,
     #[serde(default, skip_serializing_if = "String::is_empty")]
     source: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    bin: Option<Beside>,
+}
+
+/// The file beside the `.glb` that holds the transfer: buffer 1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Beside {
+    /// Its length.
+    pub byte_length: u64,
+    /// CRC-32 of all of it, eight hex digits.
+    pub crc32: String,
 }
 
 /// One glTF primitive's transfer.
@@ -90,6 +102,8 @@ pub struct Meaning {
     pub albedo: Option<[f32; 3]>,
     /// SHA-256 of the source in hex; empty when unknown.
     pub source_hash: String,
+    /// Where the transfer lies if it is not in the file itself.
+    pub beside: Option<Beside>,
 }
 
 impl Meaning {
@@ -103,6 +117,7 @@ impl Meaning {
             seed: transfer.seed,
             albedo,
             source_hash: source_hash.to_owned(),
+            beside: None,
         }
     }
 }
@@ -125,6 +140,7 @@ pub fn to_json(meaning: &Meaning, primitives: &[Primitive]) -> Value {
             "" => String::new(),
             hash => format!("sha256:{hash}"),
         },
+        bin: meaning.beside.clone(),
     };
     let mut json = serde_json::Map::new();
     json.insert("version".to_owned(), VERSION.into());
@@ -209,6 +225,10 @@ impl Header {
         if !self.albedo.is_none_or(inside) {
             return Err("has an albedo outside 0…1".to_owned());
         }
+        let whole = |beside: &Beside| beside.crc32.len() == 8 && beside.crc32.bytes().all(is_hex);
+        if !self.bin.as_ref().is_none_or(whole) {
+            return Err("has a bin without a crc32".to_owned());
+        }
         Ok(Meaning {
             order,
             channels: self.channels,
@@ -217,6 +237,7 @@ impl Header {
             seed: seed.ok_or_else(|| format!("has seed {}", shown(&self.seed)))?,
             albedo: self.albedo,
             source_hash: hash.to_owned(),
+            beside: self.bin.clone(),
         })
     }
 }
@@ -243,6 +264,7 @@ mod tests {
             seed: u64::MAX,
             albedo: None,
             source_hash: String::new(),
+            beside: None,
         }
     }
 
@@ -273,6 +295,10 @@ mod tests {
                 seed,
                 albedo: Some([0.5, 0.25, 0.1]),
                 source_hash: hash.clone(),
+                beside: (seed > 0).then(|| Beside {
+                    byte_length: 1 << 40,
+                    crc32: "0123abcd".to_owned(),
+                }),
                 ..meaning()
             };
             let text = to_json(&written, &primitives()).to_string();

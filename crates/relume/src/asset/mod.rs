@@ -1,5 +1,6 @@
 //! The baked asset: a scene and its transfer, and the `.glb` that holds both (docs/format.md).
 
+mod beside;
 mod builder;
 mod container;
 mod describe;
@@ -21,8 +22,9 @@ pub use describe::{Description, describe};
 pub use error::AssetError;
 pub use export::{export_radiance, export_transfer};
 pub use read::{from_glb, read};
+pub(crate) use strip::strip_beside;
 pub use transfer::{BackTransfer, Transfer, TransferKind};
-pub use write::{predicted_size, same_file, to_glb, write};
+pub use write::{check_place, predicted_size, same_file, to_glb, write};
 
 use crate::scene::Scene;
 

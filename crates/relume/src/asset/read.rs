@@ -5,18 +5,20 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::header::{self, HeaderError, Meaning, Primitive};
-use super::{Asset, AssetError, container, merge, strip, views};
+use super::{Asset, AssetError, beside, container, merge, strip, views};
 use super::{BackTransfer, Transfer};
+use crate::files::{Rows, printable};
 use crate::scene::{Instance, Scene};
-use views::Views;
+use beside::Source;
+use views::{Bytes, Views};
 
-/// Reads a baked `.glb`.
+/// Reads a baked `.glb`, and the `.bin` beside it where that holds the transfer.
 ///
 /// The scene's document is the one that was baked, without the transfer, so that writing the asset again gives the same bytes. Every
 /// length, token and number is checked; errors name the file.
 pub fn read(path: &Path) -> Result<Asset, AssetError> {
     bytes(path)
-        .and_then(|bytes| from_glb(&bytes))
+        .and_then(|bytes| from_bytes(&bytes, Some(path)))
         .map_err(|error| error.of(path))
 }
 
@@ -32,8 +34,12 @@ fn bytes(path: &Path) -> Result<Vec<u8>, AssetError> {
     Ok(std::fs::read(path)?)
 }
 
-/// [`read`] from memory.
+/// [`read`] from memory; refuses an asset whose transfer is not in it.
 pub fn from_glb(bytes: &[u8]) -> Result<Asset, AssetError> {
+    from_bytes(bytes, None)
+}
+
+fn from_bytes(bytes: &[u8], path: Option<&Path>) -> Result<Asset, AssetError> {
     let (json, bin) = container::split(bytes)?;
     let json: Value = serde_json::from_slice(json)
         .map_err(|error| AssetError::Container(format!("its JSON is damaged: {error}")))?;
@@ -41,7 +47,7 @@ pub fn from_glb(bytes: &[u8]) -> Result<Asset, AssetError> {
     if !nodes(&json).any(|node| extension(node).is_some()) {
         return Err(AssetError::NoTransfer);
     }
-    assemble(&json, bin, crate::scene::gltf::from_glb(bytes)?)
+    assemble(&json, bin, crate::scene::gltf::from_glb(bytes)?, path)
 }
 
 fn nodes(json: &Value) -> impl Iterator<Item = &Value> {
@@ -52,14 +58,22 @@ fn extension(node: &Value) -> Option<&Value> {
     node["extensions"].get(header::NAME)
 }
 
-/// Joins the scene of a file with the transfer in its JSON and binary chunk.
-pub fn assemble(json: &Value, bin: &[u8], mut scene: Scene) -> Result<Asset, AssetError> {
+/// Joins the scene of a file with the transfer in its JSON and binary chunk, or beside `path`.
+fn assemble(
+    json: &Value,
+    bin: &[u8],
+    mut scene: Scene,
+    path: Option<&Path>,
+) -> Result<Asset, AssetError> {
     let headers = headers(json, &scene)?;
     let Some((_, (meaning, _))) = headers.iter().flatten().next() else {
         return Err(AssetError::NoTransfer);
     };
     let meaning = meaning.clone();
-    let mut gathered = Gathered::new(&meaning, Views::new(json, bin));
+    let mut gathered = Gathered::new(
+        &meaning,
+        Views::new(json, bytes_of(&meaning, json, bin, path)?),
+    );
     let mut entries = Vec::with_capacity(scene.instances.len());
     for instance in &scene.instances {
         let entry = entry_of(&headers, instance, &meaning)?;
@@ -69,7 +83,7 @@ pub fn assemble(json: &Value, bin: &[u8], mut scene: Scene) -> Result<Asset, Ass
         }
         entries.push(entry.clone());
     }
-    let transfer = gathered.finish();
+    let transfer = gathered.finish()?;
     merge::apply(&mut scene, &entries)?;
     if let Some(document) = &mut scene.document {
         let length = strip::strip(&mut document.json, document.bin.len());
@@ -81,6 +95,26 @@ pub fn assemble(json: &Value, bin: &[u8], mut scene: Scene) -> Result<Asset, Ass
     }
     scene.source_hash = meaning.source_hash;
     Ok(Asset { scene, transfer })
+}
+
+/// Where the transfer lies.
+fn bytes_of<'a>(
+    meaning: &Meaning,
+    json: &Value,
+    bin: &'a [u8],
+    path: Option<&Path>,
+) -> Result<Bytes<'a>, AssetError> {
+    match (&meaning.beside, path) {
+        (None, _) => Ok(Bytes::Chunk(bin)),
+        (Some(beside), Some(path)) => Ok(Bytes::File(Source::open(path, beside, json)?)),
+        (Some(_), None) => {
+            let uri = json["buffers"][1]["uri"].as_str().unwrap_or_default();
+            Err(AssetError::Beside {
+                name: printable(&uri.chars().take(200).collect::<String>()),
+                what: "was not given: these are the bytes of the .glb alone".to_owned(),
+            })
+        }
+    }
 }
 
 /// By node: the node and what its extension says.
@@ -151,8 +185,11 @@ fn wrong(node: usize, what: &str) -> AssetError {
 /// The transfer so far.
 struct Gathered<'a> {
     views: Views<'a>,
+    /// Everything but its arrays of coefficients.
     transfer: Transfer,
-    back: BackTransfer,
+    coefficients: Vec<f32>,
+    back_vertices: Vec<u32>,
+    back_coefficients: Vec<f32>,
 }
 
 impl<'a> Gathered<'a> {
@@ -165,14 +202,13 @@ impl<'a> Gathered<'a> {
                 kind: meaning.kind,
                 samples: meaning.samples,
                 seed: meaning.seed,
-                coefficients: Vec::new(),
+                coefficients: Rows::default(),
                 valid: Vec::new(),
                 back: None,
             },
-            back: BackTransfer {
-                vertices: Vec::new(),
-                coefficients: Vec::new(),
-            },
+            coefficients: Vec::new(),
+            back_vertices: Vec::new(),
+            back_coefficients: Vec::new(),
         }
     }
 
@@ -200,7 +236,7 @@ impl<'a> Gathered<'a> {
         let view = entry.transfer.unwrap_or(usize::MAX);
         let views = &mut self.views;
         views
-            .floats(view, vertices, stride, &mut self.transfer.coefficients)
+            .floats(view, vertices, stride, &mut self.coefficients)
             .map_err(fail)?;
         match entry.valid {
             Some(view) => views
@@ -214,21 +250,29 @@ impl<'a> Gathered<'a> {
                 .map_err(fail)?;
             let offset = u32::try_from(first + vertices).map(|_| first as u32);
             let offset = offset.map_err(|_| fail("ends past 2³² vertices".to_owned()))?;
-            self.back.vertices.extend(local.iter().map(|v| v + offset));
+            self.back_vertices.extend(local.iter().map(|v| v + offset));
             views
                 .floats(
                     back.transfer,
                     back.count,
                     stride,
-                    &mut self.back.coefficients,
+                    &mut self.back_coefficients,
                 )
                 .map_err(fail)?;
         }
         Ok(())
     }
 
-    fn finish(mut self) -> Transfer {
-        self.transfer.back = Some(self.back).filter(|back| !back.vertices.is_empty());
-        self.transfer
+    fn finish(self) -> Result<Transfer, AssetError> {
+        self.views.finish()?;
+        let back = BackTransfer {
+            vertices: self.back_vertices,
+            coefficients: self.back_coefficients.into(),
+        };
+        Ok(Transfer {
+            coefficients: self.coefficients.into(),
+            back: Some(back).filter(|back| !back.vertices.is_empty()),
+            ..self.transfer
+        })
     }
 }

@@ -31,10 +31,10 @@ pub fn transfer(vertices: usize, order: usize, channels: usize, back: Option<usi
         },
         samples: 1024,
         seed: u64::MAX - 5,
-        coefficients: numbers(1, vertices * stride),
+        coefficients: numbers(1, vertices * stride).into(),
         valid: (0..vertices).map(|i| i % 7 != 6).collect(),
         back: backs.map(|vertices| BackTransfer {
-            coefficients: numbers(2, vertices.len() * stride),
+            coefficients: numbers(2, vertices.len() * stride).into(),
             vertices,
         }),
     }

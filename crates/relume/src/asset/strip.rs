@@ -29,6 +29,24 @@ pub fn strip(json: &mut Value, length: usize) -> usize {
     length
 }
 
+/// [`strip`] for a document whose transfer lies in a file of its own, which then is not referred to any more. Others stay as they are.
+pub fn strip_beside(json: &mut Value) {
+    let nodes = json["nodes"].as_array().into_iter().flatten();
+    let mut extensions = nodes.map(|node| &node["extensions"][NAME]);
+    if !extensions.any(|extension| extension.get("bin").is_some()) {
+        return;
+    }
+    strip(json, usize::MAX);
+    let mut views = json["bufferViews"].as_array().into_iter().flatten();
+    let used = views.any(|view| view["buffer"] == 1);
+    if let Some(buffers) = json.get_mut("buffers").and_then(Value::as_array_mut)
+        && buffers.len() == 2
+        && !used
+    {
+        buffers.pop();
+    }
+}
+
 /// Takes the extension out of a node, and `extensions` when it is empty then.
 fn take(node: &mut Map<String, Value>) -> Option<Value> {
     let extensions = node.get_mut("extensions")?.as_object_mut()?;
@@ -83,15 +101,23 @@ fn collect(value: &Value, keys: &[&str], found: &mut BTreeSet<usize>) {
 /// Removes unwanted views from the end, and the bytes behind the last that stays if those views were all there was.
 fn drop_tail(views: &mut Vec<Value>, wanted: impl Fn(usize) -> bool, length: usize) -> usize {
     let number = |view: &Value, key: &str| view.get(key).and_then(Value::as_u64).unwrap_or(0);
+    let inside = |view: &Value| number(view, "buffer") == 0;
     let mut first = length as u64;
     while let Some(last) = views.last()
         && !wanted(views.len() - 1)
     {
-        first = first.min(number(last, "byteOffset"));
+        if inside(last) {
+            first = first.min(number(last, "byteOffset"));
+        }
         views.pop();
     }
     let end = |view: &Value| number(view, "byteOffset").saturating_add(number(view, "byteLength"));
-    let needed = views.iter().map(end).max().unwrap_or(0);
+    let needed = views
+        .iter()
+        .filter(|view| inside(view))
+        .map(end)
+        .max()
+        .unwrap_or(0);
     if needed <= first {
         first as usize
     } else {

@@ -317,6 +317,7 @@ fn a_description_counts_and_warns() {
     );
 }
 
+mod beside;
 mod damage;
 mod docs;
 mod document;

@@ -1,6 +1,7 @@
 //! Diffuse transfer vectors.
 
 use crate::basis::Order;
+use crate::files::Rows;
 
 /// What light paths a transfer counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,8 +30,8 @@ pub struct Transfer {
     pub samples: u32,
     /// The seed it was baked with.
     pub seed: u64,
-    /// `[vertices][channels][order²]`.
-    pub coefficients: Vec<f32>,
+    /// `[vertices][channels][order²]`: a slice, in memory or in a mapped file.
+    pub coefficients: Rows,
     /// False where the vertex is buried and its vector was filled from its neighbours.
     pub valid: Vec<bool>,
     /// Transfer of the back side of vertices that belong to double-sided surfaces.
@@ -43,7 +44,7 @@ pub struct BackTransfer {
     /// The vertices, ascending.
     pub vertices: Vec<u32>,
     /// `[vertices.len()][channels][order²]`, for the flipped normal.
-    pub coefficients: Vec<f32>,
+    pub coefficients: Rows,
 }
 
 impl Transfer {

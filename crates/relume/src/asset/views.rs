@@ -1,25 +1,54 @@
-//! Reading the arrays of the extension out of the binary chunk.
+//! Reading the arrays of the extension out of the binary chunk, or out of the file beside it.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
+use crc32fast::Hasher;
 use serde_json::Value;
+
+use super::AssetError;
+use super::beside::Source;
+
+/// Where the arrays lie.
+pub enum Bytes<'a> {
+    /// In the binary chunk, buffer 0.
+    Chunk(&'a [u8]),
+    /// In a file of their own, buffer 1.
+    File(Source),
+}
+
+impl Bytes<'_> {
+    fn len(&self) -> u64 {
+        match self {
+            Self::Chunk(bytes) => bytes.len() as u64,
+            Self::File(source) => source.len(),
+        }
+    }
+
+    fn buffer(&self) -> u64 {
+        match self {
+            Self::Chunk(_) => 0,
+            Self::File(_) => 1,
+        }
+    }
+}
 
 /// The buffer views of a file. Each may be taken once, and none may overlap another that was taken: no file makes its reader
 /// allocate more than its own length.
 pub struct Views<'a> {
     views: &'a [Value],
-    bin: &'a [u8],
-    /// End of each range taken, by its start.
-    taken: BTreeMap<usize, usize>,
+    bytes: Bytes<'a>,
+    /// End of each range taken, and the hash of what was read from a file, by its start.
+    taken: BTreeMap<u64, (u64, Hasher)>,
 }
 
 impl<'a> Views<'a> {
-    /// The views of a document and the binary chunk they lie in.
-    pub fn new(json: &'a Value, bin: &'a [u8]) -> Self {
+    /// The views of a document and the bytes they lie in.
+    pub fn new(json: &'a Value, bytes: Bytes<'a>) -> Self {
         let views = json["bufferViews"].as_array();
         Self {
             views: views.map_or(&[], Vec::as_slice),
-            bin,
+            bytes,
             taken: BTreeMap::new(),
         }
     }
@@ -32,15 +61,13 @@ impl<'a> Views<'a> {
         stride: usize,
         into: &mut Vec<f32>,
     ) -> Result<(), String> {
-        let bytes = self.take(view, count, 4 * stride)?;
-        let values = bytes
-            .as_chunks::<4>()
-            .0
-            .iter()
-            .copied()
-            .map(f32::from_le_bytes);
         let start = into.len();
-        into.extend(values);
+        let range = self.range(view, count, 4 * stride)?;
+        into.reserve(count * stride);
+        self.read(range, |bytes| {
+            let values = bytes.as_chunks::<4>().0.iter().copied();
+            into.extend(values.map(f32::from_le_bytes));
+        })?;
         match into[start..].iter().position(|c| !c.is_finite()) {
             Some(i) => Err(format!(
                 "has a coefficient that is not finite, for vertex {}",
@@ -52,12 +79,14 @@ impl<'a> Views<'a> {
 
     /// Appends `count` flags, bytes of 0 or 1.
     pub fn flags(&mut self, view: usize, count: usize, into: &mut Vec<bool>) -> Result<(), String> {
-        let bytes = self.take(view, count, 1)?;
-        if bytes.iter().any(|&byte| byte > 1) {
-            return Err("has a valid flag that is neither 0 nor 1".to_owned());
-        }
-        into.extend(bytes.iter().map(|&byte| byte == 1));
-        Ok(())
+        let range = self.range(view, count, 1)?;
+        let mut all = true;
+        self.read(range, |bytes| {
+            all &= bytes.iter().all(|&byte| byte <= 1);
+            into.extend(bytes.iter().map(|&byte| byte == 1));
+        })?;
+        all.then_some(())
+            .ok_or_else(|| "has a valid flag that is neither 0 nor 1".to_owned())
     }
 
     /// `count` ascending u32 below `limit`.
@@ -67,14 +96,12 @@ impl<'a> Views<'a> {
         count: usize,
         limit: usize,
     ) -> Result<Vec<u32>, String> {
-        let bytes = self.take(view, count, 4)?;
-        let values = bytes
-            .as_chunks::<4>()
-            .0
-            .iter()
-            .copied()
-            .map(u32::from_le_bytes);
-        let values: Vec<u32> = values.collect();
+        let range = self.range(view, count, 4)?;
+        let mut values: Vec<u32> = Vec::with_capacity(count);
+        self.read(range, |bytes| {
+            let more = bytes.as_chunks::<4>().0.iter().copied();
+            values.extend(more.map(u32::from_le_bytes));
+        })?;
         let inside = values.last().is_none_or(|&last| (last as usize) < limit);
         if !inside || !values.is_sorted_by(|a, b| a < b) {
             return Err("names back sides that are not ascending vertices of it".to_owned());
@@ -82,39 +109,67 @@ impl<'a> Views<'a> {
         Ok(values)
     }
 
-    /// The bytes of a view that must hold `count` items of `size` bytes.
-    fn take(&mut self, view: usize, count: usize, size: usize) -> Result<&'a [u8], String> {
+    /// Refuses a file that is not the one the header speaks of.
+    pub fn finish(self) -> Result<(), AssetError> {
+        match &self.bytes {
+            Bytes::Chunk(_) => Ok(()),
+            Bytes::File(source) => {
+                let taken = self.taken.iter();
+                source.check(taken.map(|(&start, (end, hash))| (start, *end, hash)))
+            }
+        }
+    }
+
+    /// Where a view lies that must hold `count` items of `size` bytes; it lies inside, and apart from all others.
+    fn range(&mut self, view: usize, count: usize, size: usize) -> Result<Range<u64>, String> {
         let json = self.views.get(view);
         let json = json.ok_or_else(|| "names a buffer view that is not there".to_owned())?;
         let number = |key: &str, default: Option<u64>| match json.get(key) {
-            Some(value) => value.as_u64().and_then(|n| usize::try_from(n).ok()),
-            None => default.and_then(|n| usize::try_from(n).ok()),
+            Some(value) => value.as_u64(),
+            None => default,
         };
         let wrong = |what: &str| Err(format!("has buffer view {view}, which {what}"));
-        if number("buffer", None) != Some(0) || json.get("byteStride").is_some() {
-            return wrong("is not a plain run of bytes of buffer 0");
+        let buffer = self.bytes.buffer();
+        if number("buffer", None) != Some(buffer) || json.get("byteStride").is_some() {
+            return wrong(&format!("is not a plain run of bytes of buffer {buffer}"));
         }
         let (offset, length) = (number("byteOffset", Some(0)), number("byteLength", None));
         let (Some(offset), Some(length)) = (offset, length) else {
             return wrong("has no length or a wrong offset");
         };
-        if Some(length) != count.checked_mul(size) {
+        if Some(length) != (count as u64).checked_mul(size as u64) {
             return wrong(&format!("has {length} bytes, not {count} times {size}"));
         }
         if size.is_multiple_of(4) && !offset.is_multiple_of(4) {
             return wrong("does not begin at a multiple of 4 bytes");
         }
-        let end = offset
-            .checked_add(length)
-            .filter(|&end| end <= self.bin.len());
-        let Some(end) = end else {
+        let end = offset.checked_add(length);
+        let Some(end) = end.filter(|&end| end <= self.bytes.len()) else {
             return wrong("ends past the binary chunk");
         };
         let before = self.taken.range(..end).next_back();
-        if before.is_some_and(|(_, &other)| other > offset) {
+        if before.is_some_and(|(_, &(other, _))| other > offset) {
             return wrong("overlaps another of the transfer");
         }
-        self.taken.insert(offset, end);
-        Ok(&self.bin[offset..end])
+        if length > 0 {
+            self.taken.insert(offset, (end, Hasher::new()));
+        }
+        Ok(offset..end)
+    }
+
+    /// Hands out the bytes of a range that was taken, in pieces of whole numbers.
+    fn read(&mut self, range: Range<u64>, mut take: impl FnMut(&[u8])) -> Result<(), String> {
+        match &self.bytes {
+            // In range, and therefore in memory.
+            Bytes::Chunk(bytes) => take(&bytes[range.start as usize..range.end as usize]),
+            Bytes::File(source) => {
+                if let Some((_, hash)) = self.taken.get_mut(&range.start) {
+                    source
+                        .each(range, hash, take)
+                        .map_err(|error| format!("cannot be read: {error}"))?;
+                }
+            }
+        }
+        Ok(())
     }
 }

@@ -6,54 +6,130 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::builder::{Builder, array, malformed, object};
-use super::container::{Container, Part};
-use super::header::{self, Back, Meaning, Primitive};
-use super::{Asset, AssetError, Transfer, fresh, tessellated};
+use super::container::{self, Container, Part};
+use super::header::{self, Back, Beside, Meaning, Primitive};
+use super::{Asset, AssetError, Transfer, beside, fresh, tessellated};
 use crate::basis::Order;
-use crate::files::write_atomically;
+use crate::files::{Rows, write_atomically, write_both_atomically};
 use crate::scene::{Instance, Scene};
 
+/// The most bytes a `.glb` can have.
+const LIMIT: u64 = u32::MAX as u64;
+
 /// Writes `asset` as a `.glb`: whole or not at all, without a second copy of the transfer in memory.
+///
+/// Where a `.glb` of 4 GiB would not hold it, the transfer goes to `<name>.bin` beside it, unless a file stands there that is none of
+/// Relume's. An older one of ours is removed when the new asset needs none.
 ///
 /// A scene that came from glTF comes back with its JSON and its binary chunk as they were, plus `RELUME_transfer` on every node that has
 /// a mesh (docs/format.md); any other becomes a minimal glTF. Refuses, before it touches the disk, more than a `.glb` can hold and
 /// what glTF cannot say ([`predicted_size`] refuses the same before a bake). Whether `path` is the input is the caller's to judge:
 /// [`same_file`].
 pub fn write(asset: &Asset, path: &Path) -> Result<(), AssetError> {
-    let container = plan(asset).map_err(|error| error.of(path))?;
-    write_atomically(path, |writer| container.write(writer))
-        .map_err(|error| AssetError::from(error).of(path))
+    write_within(asset, path, LIMIT).map_err(|error| error.of(path))
+}
+
+/// [`write()`] with another limit to what the `.glb` may hold: for tests.
+pub(super) fn write_within(asset: &Asset, path: &Path, limit: u64) -> Result<(), AssetError> {
+    match plan(asset, None)?.finish() {
+        Ok(container) if container.len() as u64 <= limit => {
+            write_atomically(path, |writer| container.write(writer))?;
+            beside::forget(path);
+            Ok(())
+        }
+        Ok(_) | Err(AssetError::TooLarge(_)) => write_apart(asset, path),
+        Err(error) => Err(error),
+    }
+}
+
+/// Writes the transfer into a file of its own.
+fn write_apart(asset: &Asset, path: &Path) -> Result<(), AssetError> {
+    let uri = beside::uri(path)?;
+    beside::check_free(path)?;
+    let mut builder = plan(asset, Some(uri))?;
+    let (json, bin, transfer) = builder.close()?;
+    let length = container::total(json.len(), bin.len());
+    if length > LIMIT {
+        return Err(AssetError::SceneTooLarge(length));
+    }
+    write_both_atomically(
+        &beside::path(path),
+        |writer| beside::write(&transfer, writer),
+        path,
+        |crc, writer| {
+            // As long as what stood in its place.
+            set_crc(&mut builder.json, &crc);
+            let json = serde_json::to_vec(&builder.json)?;
+            let container = Container::new(json, bin).map_err(std::io::Error::other)?;
+            container.write(writer)
+        },
+    )?;
+    Ok(())
+}
+
+/// Puts the hash of the file beside into every header.
+fn set_crc(json: &mut Value, crc: &str) {
+    let nodes = json.get_mut("nodes").and_then(Value::as_array_mut);
+    for node in nodes.into_iter().flatten() {
+        let extension = node
+            .get_mut("extensions")
+            .and_then(|e| e.get_mut(header::NAME));
+        if let Some(header) = extension.and_then(|extension| extension.get_mut("bin")) {
+            header["crc32"] = crc.into();
+        }
+    }
 }
 
 /// The bytes that [`write()`] writes.
 pub fn to_glb(asset: &Asset) -> Result<Vec<u8>, AssetError> {
-    let container = plan(asset)?;
+    let container = plan(asset, None)?.finish()?;
     let mut bytes = Vec::with_capacity(container.len());
     container.write(&mut bytes)?;
     Ok(bytes)
 }
 
-/// An upper bound, close, of the size in bytes of the `.glb` that a bake of `scene` will become.
+/// An upper bound, close, of the size in bytes of the `.glb` that a bake of `scene` will become, together with the `.bin` beside it if there
+/// will be one ([`check_place`]).
 ///
 /// Fails for every reason in the scene that would make [`write()`] fail, so that nobody bakes for an hour what cannot be written.
 pub fn predicted_size(scene: &Scene, order: Order, channels: usize) -> Result<u64, AssetError> {
     // Room for what the extension says of a node, and of a primitive with its views.
     const NODE: u64 = 640;
     const PRIMITIVE: u64 = 640;
+    // And of a file beside it with a name of 255 bytes.
+    const BESIDE: u64 = 1024;
     check_scene(scene)?;
     let vector = (4 * channels * order.count()) as u64;
-    let mut bytes = scene_alone(scene)?.finish()?.len() as u64;
+    let alone = scene_alone(scene)?.finish().map_err(|error| match error {
+        AssetError::TooLarge(bytes) => AssetError::SceneTooLarge(bytes),
+        other => other,
+    })?;
+    let mut bytes = alone.len() as u64;
+    let mut transfer = 0;
     for instance in &scene.instances {
         let mesh = &scene.meshes[instance.mesh];
         let vertices = mesh.positions.len() as u64;
         let backs = double_sided_vertices(scene, instance);
         bytes += NODE + PRIMITIVE * mesh.groups.len().max(1) as u64;
-        bytes += vertices * (vector + 1) + backs * (vector + 4);
+        transfer += vertices * (vector + 1) + backs * (vector + 4);
     }
-    match u32::try_from(bytes) {
-        Ok(_) => Ok(bytes),
-        Err(_) => Err(AssetError::TooLarge(bytes)),
+    if bytes + transfer > LIMIT {
+        bytes += BESIDE;
     }
+    if bytes > LIMIT {
+        return Err(AssetError::SceneTooLarge(bytes));
+    }
+    Ok(bytes + transfer)
+}
+
+/// Refuses a place where an asset of `bytes` bytes ([`predicted_size`]) cannot be written: where its transfer needs a `.bin` beside it, and a
+/// file stands there that is none of Relume's.
+pub fn check_place(path: &Path, bytes: u64) -> Result<(), AssetError> {
+    if bytes <= LIMIT {
+        return Ok(());
+    }
+    let free = beside::uri(path).and_then(|_| beside::check_free(path));
+    free.map_err(|error| error.of(path))
 }
 
 /// Whether two paths lead to the same existing file, links resolved.
@@ -86,20 +162,30 @@ fn scene_alone(scene: &Scene) -> Result<Builder<'_>, AssetError> {
     Ok(builder)
 }
 
-fn plan(asset: &Asset) -> Result<Container<'_>, AssetError> {
+/// The document with its transfer; in a file of its own, if that has a URI.
+fn plan(asset: &Asset, beside: Option<String>) -> Result<Builder<'_>, AssetError> {
     check_scene(&asset.scene)?;
     check(asset)?;
     let Asset { scene, transfer } = asset;
     let mut builder = scene_alone(scene)?;
-    let meaning = Meaning::of(transfer, &scene.source_hash, scene.albedo_override);
-    for (node, primitives) in entries(&mut builder, asset)? {
+    if let Some(uri) = beside {
+        builder.put_transfer_beside(uri);
+    }
+    let entries = entries(&mut builder, asset)?;
+    let mut meaning = Meaning::of(transfer, &scene.source_hash, scene.albedo_override);
+    meaning.beside = builder.beside().map(|bin| Beside {
+        byte_length: bin.len(),
+        // Not known before it is written.
+        crc32: "0".repeat(8),
+    });
+    for (node, primitives) in entries {
         let json = header::to_json(&meaning, &primitives);
         let node = object(&mut builder.array("nodes")?[node], "a node")?;
         let extensions = node.entry("extensions").or_insert_with(|| json!({}));
         object(extensions, "extensions")?.insert(header::NAME.to_owned(), json);
     }
     builder.array("extensionsUsed")?.push(header::NAME.into());
-    builder.finish()
+    Ok(builder)
 }
 
 /// What the extension of each node says of its primitives; their arrays are added.
@@ -159,12 +245,12 @@ fn entry<'a>(
     let valid = &transfer.valid[vertices.clone()];
     let mut entry = Primitive {
         count: Some(vertices.len()),
-        transfer: Some(builder.view(Part::Floats(floats))?),
+        transfer: Some(builder.transfer_view(Part::Floats(floats))?),
         ..Primitive::default()
     };
     if !valid.iter().all(|&valid| valid) {
         let bytes: &[u8] = bytemuck::cast_slice(valid);
-        entry.valid = Some(builder.view(Part::Bytes(bytes.into()))?);
+        entry.valid = Some(builder.transfer_view(Part::Bytes(bytes.into()))?);
     }
     let Some(back) = &transfer.back else {
         return Ok(entry);
@@ -179,8 +265,8 @@ fn entry<'a>(
         let floats = &back.coefficients[from * stride..to * stride];
         entry.back = Some(Back {
             count: to - from,
-            vertices: builder.view(Part::Bytes(local.into()))?,
-            transfer: builder.view(Part::Floats(floats))?,
+            vertices: builder.transfer_view(Part::Bytes(local.into()))?,
+            transfer: builder.transfer_view(Part::Floats(floats))?,
         });
     }
     Ok(entry)
@@ -219,7 +305,7 @@ fn check(asset: &Asset) -> Result<(), AssetError> {
     let stride = transfer.stride();
     let no_back = super::BackTransfer {
         vertices: Vec::new(),
-        coefficients: Vec::new(),
+        coefficients: Rows::default(),
     };
     let back = transfer.back.as_ref().unwrap_or(&no_back);
     if transfer.coefficients.len() != vertices * stride
@@ -236,7 +322,7 @@ fn check(asset: &Asset) -> Result<(), AssetError> {
     {
         return wrong("its back sides do not name ascending vertices".into());
     }
-    let mut all = transfer.coefficients.iter().chain(&back.coefficients);
+    let mut all = transfer.coefficients.iter().chain(&*back.coefficients);
     match all.position(|c| !c.is_finite()) {
         Some(i) => wrong(format!("coefficient {i} is not finite")),
         None => Ok(()),

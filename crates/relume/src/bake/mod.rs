@@ -9,6 +9,8 @@
 //! threads gives the same bytes.
 
 mod buried;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod checkpoint;
 mod coincident;
 mod gather;
 mod options;

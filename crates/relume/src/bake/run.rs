@@ -218,7 +218,7 @@ fn finish(
 ) -> Transfer {
     let channels = options.channels();
     let stride = channels * options.order.count();
-    let take = |which: &mut dyn Iterator<Item = u32>| -> Vec<f32> {
+    let take = |which: &mut dyn Iterator<Item = u32>| -> crate::files::Rows {
         which
             .flat_map(|i| &rows[i as usize * stride..][..stride])
             .copied()

@@ -84,7 +84,7 @@ fn every_array_holds_what_the_format_says() {
     let backs = array::<i32>(&bytes, "back_vertex").1;
     let vertices: Vec<u32> = backs.iter().map(|&row| rows[row as usize] as u32).collect();
     assert_eq!(vertices, back.vertices);
-    assert_eq!(array::<f32>(&bytes, "back_transfer").1, back.coefficients);
+    assert_eq!(array::<f32>(&bytes, "back_transfer").1, *back.coefficients);
 }
 
 #[test]

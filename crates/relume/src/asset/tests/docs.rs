@@ -22,11 +22,19 @@ fn the_reader_in_the_documentation_reads_an_asset() {
     let asset = samples::asset();
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("out.glb");
-    write(&asset, &file).unwrap();
-    let output = runs(code, &file.to_string_lossy()).unwrap();
+    // With the transfer in the file, and beside it.
+    for limit in [u64::MAX, 1] {
+        write::write_within(&asset, &file, limit).unwrap();
+        assert_eq!(file.with_extension("bin").exists(), limit == 1);
+        check(&asset, &runs(code, &file.to_string_lossy()).unwrap());
+    }
+}
+
+/// Fails unless the reader printed the mean of the first coefficient of each list of vertices, by channel.
+fn check(asset: &Asset, output: &std::process::Output) {
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{errors}");
-    let text = String::from_utf8(output.stdout)
+    let text = String::from_utf8(output.stdout.clone())
         .unwrap()
         .replace(['[', ']'], " ");
     let found: Vec<f64> = text

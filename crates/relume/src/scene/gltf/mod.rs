@@ -79,9 +79,15 @@ pub(super) fn read_gltf(text: &[u8], fetch: merge::Fetch<'_>) -> Result<Scene, S
     read(container::parse(text)?, None, fetch)
 }
 
-fn read(json: Value, bin: Option<Vec<u8>>, fetch: merge::Fetch<'_>) -> Result<Scene, SceneError> {
+fn read(
+    mut json: Value,
+    bin: Option<Vec<u8>>,
+    fetch: merge::Fetch<'_>,
+) -> Result<Scene, SceneError> {
     // Before anything is fetched: a document that needs what is not read is not worth it.
     check_extensions(&json)?;
+    // The transfer of a baked file is none of the scene, and may be many gigabytes in another file.
+    crate::asset::strip_beside(&mut json);
     let document = merge::merge(json, bin, fetch)?;
     let root = Root::from_value(&document.json)?;
     let mut scene = Scene::default();

@@ -173,7 +173,7 @@ fn three_channels_keep_to_their_own_colour() {
     let order = Order::new(1).unwrap();
     let transfer = Transfer {
         channels: 3,
-        coefficients: vec![1.0, 2.0, 4.0, 8.0, 16.0, 32.0],
+        coefficients: vec![1.0, 2.0, 4.0, 8.0, 16.0, 32.0].into(),
         valid: vec![true; 2],
         ..unshadowed(order, &[])
     };

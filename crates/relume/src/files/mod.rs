@@ -1,9 +1,13 @@
-//! Writing files whole or not at all.
+//! Writing files whole or not at all, and numbers that live in memory or in a file.
+
+mod rows;
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::sync::{PoisonError, RwLock};
+
+pub use rows::{Rows, le_bytes};
 
 /// Held for reading while a file is being written.
 static WRITING: RwLock<()> = RwLock::new(());
@@ -21,6 +25,34 @@ pub fn write_atomically(
     write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 ) -> io::Result<()> {
     let _guard = WRITING.read().unwrap_or_else(PoisonError::into_inner);
+    let ((), temporary) = temporary(path, write)?;
+    temporary.persist(path).map_err(|failure| failure.error)?;
+    Ok(())
+}
+
+/// Writes two files that belong together: both are whole, under temporary names, before either gets its own; `first` gets it first.
+///
+/// What writing the first returned goes to writing the second. A process that dies between the two last steps leaves the new first beside
+/// the old second, so the second must be able to tell.
+pub fn write_both_atomically<T>(
+    first: &Path,
+    write_first: impl FnOnce(&mut BufWriter<&File>) -> io::Result<T>,
+    second: &Path,
+    write_second: impl FnOnce(T, &mut BufWriter<&File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let _guard = WRITING.read().unwrap_or_else(PoisonError::into_inner);
+    let (result, one) = temporary(first, write_first)?;
+    let ((), two) = temporary(second, |writer| write_second(result, writer))?;
+    one.persist(first).map_err(|failure| failure.error)?;
+    two.persist(second).map_err(|failure| failure.error)?;
+    Ok(())
+}
+
+/// A file in the folder of `path`, whole and on the disk, that is removed unless it is renamed.
+fn temporary<T>(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<T>,
+) -> io::Result<(T, tempfile::NamedTempFile)> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -35,12 +67,11 @@ pub fn write_atomically(
     }
     let temporary = builder.tempfile_in(folder)?;
     let mut writer = BufWriter::with_capacity(1 << 20, temporary.as_file());
-    write(&mut writer)?;
+    let result = write(&mut writer)?;
     writer.flush()?;
     drop(writer);
     temporary.as_file().sync_all()?;
-    temporary.persist(path).map_err(|failure| failure.error)?;
-    Ok(())
+    Ok((result, temporary))
 }
 
 /// A name from a file, fit to print: control characters and invisible direction marks are escaped.
@@ -72,6 +103,29 @@ mod tests {
         assert!(result.is_err());
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn of_two_files_both_are_written_or_neither() {
+        let folder = tempfile::tempdir().unwrap();
+        let [one, two] = ["one", "two"].map(|name| folder.path().join(name));
+        let both = |fails: bool| {
+            write_both_atomically(
+                &one,
+                |writer| writer.write(b"first"),
+                &two,
+                |count, writer| match fails {
+                    true => Err(io::Error::other("disk full")),
+                    false => writer.write_all(&vec![b'2'; count]),
+                },
+            )
+        };
+        assert!(both(true).is_err());
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+        both(false).unwrap();
+        assert_eq!(std::fs::read(&one).unwrap(), b"first");
+        assert_eq!(std::fs::read(&two).unwrap(), b"22222");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
     }
 
     #[test]
