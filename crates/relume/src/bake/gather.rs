@@ -2,184 +2,367 @@
 
 use glam::Vec3;
 
+use super::buried::is_buried;
+use super::directions::{Directions, Net, PROBES, Plan, Set, Values, stride};
+use super::operator::{Merger, Rows};
 use super::receiver::{NO_BACK, Receiver, Receivers};
-use super::sampling::Directions;
-use super::trace::{Hit, Tracer};
-use crate::basis::Order;
-use crate::basis::sh::{Evaluator, LANES};
+use super::trace::{Hit, Rays, Tracer};
+use crate::basis::{Euler, EulerRotation, Order};
 use crate::scene::World;
+use crate::simd::{Kernel, Lanes, Level};
 
 /// What every receiver's work reads.
 pub struct Stage<'a> {
     pub world: &'a World,
     pub tracer: &'a Tracer<'a>,
     pub receivers: &'a Receivers<'a>,
+    pub directions: &'a Directions,
+    pub plan: Plan,
+    /// With [`Plan::UntilGood`]: the error at which a receiver is good.
+    pub error: f64,
     pub order: Order,
-    pub samples: u32,
     pub seed: u64,
+    pub level: Level,
+    /// Channels of the gather operator's weights.
+    pub weight_channels: usize,
+}
+
+/// What a receiver's rays found besides its transfer.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Found {
+    /// Rays cast.
+    pub samples: u32,
+    /// Most rays met dead backs first.
+    pub buried: bool,
 }
 
 /// What a thread writes on while it works; nothing in it survives from one receiver to the next.
 pub struct Scratch {
-    directions: Directions,
+    rays: Rays,
+    open: Vec<u64>,
     hits: Vec<Hit>,
-    basis: Evaluator,
-    values: Vec<[f32; LANES]>,
-    /// Sums of a few rays in f32, emptied into `sums` before they lose digits.
+    values: Values,
+    merger: Merger,
+    rotation: EulerRotation,
+    turned: Vec<f64>,
+    /// Sums over open rays in the receiver's own frame, one of each net.
+    sums: [Vec<f64>; 2],
+    /// Sums of a few rays or columns in f32, emptied before they lose digits.
     partial: Vec<f32>,
-    sums: Vec<f64>,
 }
 
-/// Rays summed up in f32 before they are added to the f64 sums.
-const PARTIAL_RAYS: usize = 64;
+/// Columns of the operator summed up in f32 before they are added to the f64 sums.
+const PARTIAL: usize = 64;
 
 impl Scratch {
     pub fn new(stage: &Stage) -> Self {
         let count = stage.order.count();
         Self {
-            directions: Directions::new(stage.samples as usize),
-            hits: vec![Hit::MISS; stage.samples as usize],
-            basis: Evaluator::new(stage.order),
-            values: vec![[0.0; LANES]; count],
-            partial: vec![0.0; 3 * count],
-            sums: vec![0.0; 3 * count],
-        }
-    }
-
-    fn trace(&mut self, stage: &Stage, receiver: &Receiver) {
-        self.directions
-            .fill(stage.samples, receiver.normal, receiver.seed);
-        stage.tracer.closest_from(
-            receiver.origin,
-            &self.directions.directions.iter().copied().collect(),
-            &mut self.hits,
-        );
-        self.sums.fill(0.0);
-    }
-
-    /// The mean of the rays, into `row`.
-    fn write_mean(&self, samples: u32, row: &mut [f32]) {
-        for (value, sum) in row.iter_mut().zip(&self.sums) {
-            *value = (sum / f64::from(samples)) as f32;
-        }
-    }
-
-    /// Adds the basis functions at the directions whose rays met nothing.
-    fn add_sky(&mut self, directions: &[Vec3], hits: &[Hit]) {
-        if hits.iter().all(Hit::is_hit) {
-            return;
-        }
-        let mut lanes = [[0.0; LANES]; 3];
-        let mut open = [0.0; LANES];
-        for (i, (d, hit)) in directions.iter().zip(hits).enumerate() {
-            (lanes[0][i], lanes[1][i], lanes[2][i]) = (d.x, d.y, d.z);
-            open[i] = if hit.is_hit() { 0.0 } else { 1.0 };
-        }
-        self.basis.eval_lanes(&lanes, &mut self.values);
-        for (sum, values) in self.partial.iter_mut().zip(&self.values) {
-            *sum += dot(values, &open);
-        }
-    }
-
-    /// Empties the f32 sums into the f64 ones.
-    fn flush(&mut self, count: usize) {
-        for (sum, partial) in self.sums.iter_mut().zip(&mut self.partial).take(count) {
-            *sum += f64::from(std::mem::take(partial));
+            rays: Rays::default(),
+            open: Vec::new(),
+            hits: Vec::new(),
+            values: Values::new(stage.order),
+            merger: Merger::new(),
+            rotation: EulerRotation::new(stage.order),
+            turned: vec![0.0; count],
+            sums: [vec![0.0; 3 * count], vec![0.0; 3 * count]],
+            partial: vec![0.0; stride(stage.order).max(3 * count)],
         }
     }
 }
 
-/// Shadowed direct transfer of a receiver [sloan2002, eq. 9 without albedo]: `1/π ∫ V(ω) max(0, n·ω) Y_i(ω) dω`, into `row` (`n²`).
-///
-/// Returns how many rays met the back of a one-sided surface first.
-pub fn direct(stage: &Stage, receiver: usize, scratch: &mut Scratch, row: &mut [f32]) -> u32 {
-    scratch.trace(stage, &stage.receivers.get(receiver, stage.seed));
-    let directions = std::mem::take(&mut scratch.directions.directions);
-    let hits = std::mem::take(&mut scratch.hits);
-    let count = stage.order.count();
-    for (directions, hits) in directions
-        .chunks(PARTIAL_RAYS)
-        .zip(hits.chunks(PARTIAL_RAYS))
-    {
-        for (directions, hits) in directions.chunks(LANES).zip(hits.chunks(LANES)) {
-            scratch.add_sky(directions, hits);
-        }
-        scratch.flush(count);
-    }
-    scratch.write_mean(stage.samples, row);
-    let backs = hits
-        .iter()
-        .filter(|hit| meets_dead_back(stage.world, hit))
-        .count();
-    (scratch.directions.directions, scratch.hits) = (directions, hits);
-    backs as u32
-}
-
-/// One more interreflection [sloan2005, "Neumann series"]: `1/π ∫ (1−V) ρ(h) t_prev(h) max(0, n·ω) dω` with the transfer of the last bounce
-/// interpolated at the hit h and the albedo ρ there, into `row` (`3·n²`).
-///
-/// `previous` has `channels · n²` numbers per receiver.
-pub fn bounce(
+/// Shadowed direct transfer of a receiver [sloan2002, eq. 9 without albedo]: `1/π ∫ V(ω) max(0, n·ω) Y_i(ω) dω`, into `row` (`n²`); with
+/// `operator`, a row of the gather operator for the same rays is appended to it.
+pub fn direct(
     stage: &Stage,
     receiver: usize,
+    scratch: &mut Scratch,
+    row: &mut [f32],
+    mut operator: Option<&mut Rows>,
+) -> Found {
+    let receiver = stage.receivers.get(receiver, stage.seed);
+    let (set, euler) = stage.directions.of(receiver.seed, receiver.normal);
+    let turn = Turn::new(&euler);
+    let count = stage.order.count();
+    scratch.sums.iter_mut().for_each(|sums| sums.fill(0.0));
+    let mut found = Found::default();
+    let mut visible = 0;
+    for (round, last) in set.rounds.iter().zip((1..).map(|i| i == set.rounds.len())) {
+        for (which, net) in round.nets.iter().enumerate() {
+            scratch.trace(stage, &receiver, net, &turn, operator.is_some());
+            visible += scratch.add_open(stage, net, which);
+            found.samples += net.rays.len() as u32;
+            if operator.is_some() {
+                scratch.add_reflections(stage);
+            }
+        }
+        // A receiver that sees half of its sky is not buried.
+        if found.samples == round_end(set) && 2 * visible < found.samples {
+            found.buried = scratch.is_buried(stage, &receiver, set, &turn);
+        }
+        if last || found.buried || is_good(stage, &scratch.sums, count, found.samples) {
+            break;
+        }
+    }
+    let [sums, second] = &mut scratch.sums;
+    let sums = &mut sums[..count];
+    for (sum, second) in sums.iter_mut().zip(second) {
+        *sum = (*sum + *second) / f64::from(found.samples);
+    }
+    scratch.rotation.apply(&euler, sums, &mut scratch.turned);
+    for (value, sum) in row.iter_mut().zip(sums) {
+        *value = *sum as f32;
+    }
+    if let Some(rows) = &mut operator {
+        scratch.merger.finish(found.samples, rows);
+    }
+    found
+}
+
+/// Rays of the first round.
+fn round_end(set: &Set) -> u32 {
+    set.rounds[0]
+        .nets
+        .iter()
+        .map(|net| net.rays.len() as u32)
+        .sum()
+}
+
+/// Whether the estimate is as good as asked for.
+///
+/// The two nets are independent: half of their difference has the expected length of their mean's error. It is held against the mean, or
+/// against a tenth of what an open receiver has where that is more: in a crevice, errors are small beside what is lit.
+fn is_good(stage: &Stage, [a, b]: &[Vec<f64>; 2], count: usize, samples: u32) -> bool {
+    if matches!(stage.plan, Plan::All(_)) {
+        return false;
+    }
+    let half = f64::from(samples) / 2.0;
+    let (mut difference, mut mean) = (0.0, 0.0);
+    for (a, b) in a[..count].iter().zip(b) {
+        difference += ((a - b) / (2.0 * half)).powi(2);
+        mean += ((a + b) / (2.0 * half)).powi(2);
+    }
+    // ∫ (cosθ/π)² dω over the hemisphere: what an open receiver's transfer comes to with the order.
+    let open = 2.0 / (3.0 * std::f64::consts::PI);
+    difference <= stage.error * stage.error * mean.max(0.01 * open)
+}
+
+/// Where local x, y and z go.
+struct Turn([Vec3; 3]);
+
+impl Turn {
+    fn new(euler: &Euler) -> Self {
+        let matrix = euler.matrix();
+        Self([
+            matrix.x_axis.as_vec3(),
+            matrix.y_axis.as_vec3(),
+            matrix.z_axis.as_vec3(),
+        ])
+    }
+}
+
+impl Scratch {
+    /// Casts a net's rays: `open` tells which meet nothing; `hits`, if wanted, what the others meet.
+    fn trace(
+        &mut self,
+        stage: &Stage,
+        receiver: &Receiver,
+        net: &Net,
+        turn: &Turn,
+        wants_hits: bool,
+    ) {
+        self.rays.turn(&net.rays, turn.0);
+        self.open.clear();
+        self.open.resize(self.rays.words(), 0);
+        if !wants_hits {
+            return stage
+                .tracer
+                .open_from(receiver.origin, &self.rays, &mut self.open);
+        }
+        self.hits.clear();
+        self.hits.resize(self.rays.len(), Hit::MISS);
+        stage
+            .tracer
+            .closest_from(receiver.origin, &self.rays, &mut self.hits);
+        for (i, hit) in self.hits.iter().enumerate() {
+            self.open[i / 64] |= u64::from(!hit.is_hit()) << (i % 64);
+        }
+    }
+
+    /// Adds the basis functions along open rays; returns their number.
+    fn add_open(&mut self, stage: &Stage, net: &Net, which: usize) -> u32 {
+        let mut visible = 0;
+        for (word, &open) in self.open.iter().enumerate() {
+            if open == 0 {
+                continue;
+            }
+            visible += open.count_ones();
+            let values = net.values(word, &mut self.values);
+            stage.level.run(SumRows {
+                open,
+                values,
+                sums: &mut self.partial[..stride(stage.order)],
+            });
+            for (sum, partial) in self.sums[which]
+                .iter_mut()
+                .zip(&self.partial)
+                .take(stage.order.count())
+            {
+                *sum += f64::from(*partial);
+            }
+        }
+        visible
+    }
+
+    /// Whether most of a few rays first meet backs that are dead.
+    fn is_buried(&mut self, stage: &Stage, receiver: &Receiver, set: &Set, turn: &Turn) -> bool {
+        self.rays.turn(&set.probes, turn.0);
+        let mut hits = [Hit::MISS; PROBES as usize];
+        stage
+            .tracer
+            .closest_from(receiver.origin, &self.rays, &mut hits);
+        let dead = |hit: &&Hit| {
+            hit.is_hit() && !hit.front && !stage.world.material(hit.triangle).double_sided
+        };
+        is_buried(hits.iter().filter(dead).count() as u32, PROBES)
+    }
+
+    /// Adds to the operator's row what surfaces the rays met, and how they reflect.
+    fn add_reflections(&mut self, stage: &Stage) {
+        for (i, hit) in self.hits.iter().enumerate() {
+            let Some(corners) = facing_receivers(stage, hit, self.rays.get(i)) else {
+                continue;
+            };
+            let weights = hit.weights();
+            let albedo = stage.world.surface(hit.triangle, weights).albedo;
+            for (corner, weight) in corners.into_iter().zip(weights) {
+                self.merger.add(corner, (albedo * weight).to_array());
+            }
+        }
+    }
+}
+
+/// One more interreflection [sloan2005, "Neumann series"]: `1/π ∫ (1−V) ρ(h) t_prev(h) max(0, n·ω) dω`, as a row of the gather operator applied
+/// to `previous` (`channels · n²` numbers per receiver), into `row` (`3·n²`).
+pub fn bounce(
+    stage: &Stage,
+    (columns, weights): (&[u32], &[f32]),
     previous: &[f32],
     channels: usize,
     scratch: &mut Scratch,
     row: &mut [f32],
 ) {
-    scratch.trace(stage, &stage.receivers.get(receiver, stage.seed));
-    let hits = std::mem::take(&mut scratch.hits);
     let count = stage.order.count();
-    let directions = std::mem::take(&mut scratch.directions.directions);
-    for (hits, directions) in hits
-        .chunks(PARTIAL_RAYS)
-        .zip(directions.chunks(PARTIAL_RAYS))
+    let sums = &mut scratch.sums[0];
+    sums.fill(0.0);
+    for (columns, weights) in columns
+        .chunks(PARTIAL)
+        .zip(weights.chunks(PARTIAL * stage.weight_channels))
     {
-        for (hit, &direction) in hits.iter().zip(directions) {
-            let Some(corners) = facing_receivers(stage, hit, direction) else {
-                continue;
-            };
-            let weights = hit.weights();
-            let albedo = stage.world.surface(hit.triangle, weights).albedo;
-            let rows = corners.map(|i| &previous[i * channels * count..][..channels * count]);
-            add_reflected(
-                &mut scratch.partial,
-                rows,
-                weights,
-                albedo.to_array(),
-                count,
-            );
+        let partial = &mut scratch.partial[..3 * count];
+        stage.level.run(Reflect {
+            columns,
+            weights,
+            previous,
+            channels,
+            count,
+            sums: partial,
+        });
+        for (sum, partial) in sums.iter_mut().zip(partial) {
+            *sum += f64::from(*partial);
         }
-        scratch.flush(3 * count);
     }
-    (scratch.directions.directions, scratch.hits) = (directions, hits);
-    scratch.write_mean(stage.samples, row);
+    for (value, sum) in row.iter_mut().zip(sums) {
+        *value = *sum as f32;
+    }
 }
 
-/// Adds `albedo[c] · Σ_k weights[k] · rows[k][c]` to the sums of channel c; rows of one channel answer all three.
-fn add_reflected(
-    sums: &mut [f32],
-    rows: [&[f32]; 3],
-    weights: [f32; 3],
-    albedo: [f32; 3],
-    count: usize,
-) {
-    let [a, b, c] = weights;
-    for (channel, sums) in sums.chunks_exact_mut(count).enumerate() {
-        let start = if rows[0].len() == count {
-            0
-        } else {
-            channel * count
-        };
-        let [p, q, r] = rows.map(|row| &row[start..start + count]);
-        let (a, b, c) = (
-            a * albedo[channel],
-            b * albedo[channel],
-            c * albedo[channel],
-        );
-        for i in 0..count {
-            sums[i] += a * p[i] + b * q[i] + c * r[i];
+/// The sum of those of 64 rows whose bit is set, in their order.
+struct SumRows<'a> {
+    open: u64,
+    values: &'a [f32],
+    sums: &'a mut [f32],
+}
+
+impl Kernel for SumRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let stride = self.sums.len();
+        // Two vectors at a time stay in registers.
+        let mut start = 0;
+        while start < stride {
+            let two = start + L::COUNT < stride;
+            let (mut first, mut second) = (L::splat(0.0), L::splat(0.0));
+            let mut left = self.open;
+            while left != 0 {
+                let row = &self.values[left.trailing_zeros() as usize * stride + start..];
+                left &= left - 1;
+                first = first + L::load(row);
+                if two {
+                    second = second + L::load(&row[L::COUNT..]);
+                }
+            }
+            first.store(&mut self.sums[start..]);
+            if two {
+                second.store(&mut self.sums[start + L::COUNT..]);
+            }
+            start += 2 * L::COUNT;
         }
+    }
+}
+
+/// `Σ weight · row`, by channel, over a few columns.
+struct Reflect<'a> {
+    columns: &'a [u32],
+    weights: &'a [f32],
+    previous: &'a [f32],
+    channels: usize,
+    count: usize,
+    sums: &'a mut [f32],
+}
+
+impl Kernel for Reflect<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.sums.fill(0.0);
+        let stride = self.channels * self.count;
+        let per_column = self.weights.len() / self.columns.len();
+        for (&column, weights) in self
+            .columns
+            .iter()
+            .zip(self.weights.chunks_exact(per_column))
+        {
+            let row = &self.previous[column as usize * stride..][..stride];
+            for (channel, sums) in self.sums.chunks_exact_mut(self.count).enumerate() {
+                let from = if self.channels == 1 {
+                    0
+                } else {
+                    channel * self.count
+                };
+                let weight = weights[if per_column == 1 { 0 } else { channel }];
+                add_scaled::<L>(sums, &row[from..from + self.count], weight);
+            }
+        }
+    }
+}
+
+/// `sums += weight · values`.
+#[inline(always)]
+fn add_scaled<L: Lanes>(sums: &mut [f32], values: &[f32], weight: f32) {
+    let scale = L::splat(weight);
+    let mut at = 0;
+    while at + L::COUNT <= sums.len() {
+        let sum = L::load(&sums[at..]) + L::load(&values[at..]) * scale;
+        sum.store(&mut sums[at..]);
+        at += L::COUNT;
+    }
+    while at < sums.len() {
+        sums[at] += values[at] * weight;
+        at += 1;
     }
 }
 
@@ -188,7 +371,7 @@ fn add_reflected(
 /// The side is that of the interpolated shading normal, as the transfer it reflects was gathered about such normals. By the triangle's
 /// plane, a ray that leaves a dented vertex just above its tangent plane would meet the fronts of the vertex's own triangles at once
 /// and bring back the vertex's own light: on a scanned figure, a sixth of all that bounces.
-fn facing_receivers(stage: &Stage, hit: &Hit, direction: Vec3) -> Option<[usize; 3]> {
+fn facing_receivers(stage: &Stage, hit: &Hit, direction: Vec3) -> Option<[u32; 3]> {
     if !hit.is_hit() {
         return None;
     }
@@ -206,23 +389,5 @@ fn facing_receivers(stage: &Stage, hit: &Hit, direction: Vec3) -> Option<[usize;
         !receivers.contains(&NO_BACK),
         "double-sided surfaces have receivers behind them"
     );
-    Some(receivers.map(|i| i as usize))
-}
-
-/// Whether the ray met the back of a surface that has no back.
-fn meets_dead_back(world: &World, hit: &Hit) -> bool {
-    hit.is_hit() && !hit.front && !world.material(hit.triangle).double_sided
-}
-
-/// The sum of products, pairwise in a fixed order.
-fn dot(a: &[f32; LANES], b: &[f32; LANES]) -> f32 {
-    let mut products: [f32; LANES] = std::array::from_fn(|i| a[i] * b[i]);
-    let mut width = LANES / 2;
-    while width > 0 {
-        for i in 0..width {
-            products[i] += products[i + width];
-        }
-        width /= 2;
-    }
-    products[0]
+    Some(receivers)
 }

@@ -1,8 +1,11 @@
 //! Scene in, transfer out.
 //!
 //! ```text
-//! World ──▶ receivers ──▶ gather::direct ──▶ buried ──▶ gather::bounce, k times ──▶ Transfer
-//!                          sampling + trace              (Neumann series)
+//! World ──▶ Receivers ──▶ gather::direct ──▶ buried::Filling ──▶ gather::bounce × k ──▶ Transfer
+//!              │              │    │  └ operator: what the rays met, kept for the bounces
+//!              │              │    └ trace: packets of rays through a tree of boxes
+//!              │              └ directions: sets shared by all vertices, over sampling's points
+//!              └ passes: tiles of receivers on all threads; store: their results in memory or in a checkpoint
 //! ```
 //!
 //! The unit of work is a tile of receivers: a pure function of the world, the bounce before and the tile, so any tiling and any number of
@@ -12,31 +15,24 @@ mod buried;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod checkpoint;
 mod coincident;
+mod directions;
+mod engine;
 mod gather;
+mod operator;
 mod options;
+mod passes;
 mod receiver;
 mod run;
 mod sampling;
+mod store;
 pub mod trace;
 
+pub use engine::Engine;
 pub use options::{BakeError, BakeOptions, Monitor, Need, Progress};
-pub use run::bake;
+pub use passes::Report;
+#[cfg(not(target_arch = "wasm32"))]
+pub use run::bake_with_checkpoint;
+pub use run::{Baked, bake};
 
 #[cfg(test)]
 mod tests;
-
-#[doc(hidden)]
-pub fn receivers(world: &crate::scene::World, count: usize) -> Vec<receiver::Receiver> {
-    let receivers = receiver::Receivers::new(world);
-    let step = (receivers.len() / count).max(1);
-    (0..receivers.len())
-        .step_by(step)
-        .map(|i| receivers.get(i, 0))
-        .collect()
-}
-#[doc(hidden)]
-pub fn directions(count: u32, normal: glam::Vec3, seed: u64) -> trace::Rays {
-    let mut set = sampling::Directions::new(count as usize);
-    set.fill(count, normal, seed);
-    set.directions.iter().copied().collect()
-}

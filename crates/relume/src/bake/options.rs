@@ -4,6 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use thiserror::Error;
 
+use super::Engine;
 use crate::basis::Order;
 use crate::scene::World;
 
@@ -12,8 +13,11 @@ use crate::scene::World;
 pub struct BakeOptions {
     /// Order of the light the result will answer to.
     pub order: Order,
-    /// Rays per vertex (and side).
+    /// Rays per vertex (and side); with `error`, the most of them.
     pub samples: u32,
+    /// A vertex stops casting rays when its own estimate of its direct transfer's relative error is below this; every vertex casts
+    /// `samples` where there is none.
+    pub error: Option<f64>,
     /// Interreflections: 0 is shadowed direct light.
     pub bounces: u32,
     /// False: the closed form without shadows; then no rays are cast.
@@ -22,6 +26,13 @@ pub struct BakeOptions {
     pub seed: u64,
     /// Threads to work with; `None` is one per core. The result does not depend on it.
     pub threads: Option<usize>,
+    /// What casts the rays.
+    pub engine: Engine,
+    /// Receivers of a tile: the unit of work and of checkpoints. The result does not depend on it.
+    pub tile: usize,
+    /// Bytes that may be kept of what rays met, for the bounces; rays of tiles that find no room are cast again. The result does not depend
+    /// on it.
+    pub operator_bytes: u64,
 }
 
 impl Default for BakeOptions {
@@ -30,23 +41,29 @@ impl Default for BakeOptions {
         Self {
             order,
             samples: 1024,
+            error: None,
             bounces: 0,
             shadows: true,
             seed: 0,
             threads: None,
+            engine: Engine::default(),
+            tile: 256,
+            operator_bytes: 2 << 30,
         }
     }
 }
 
-/// How far a bake is. One pass over all vertices casts the direct rays, one more each bounce.
+/// How far a bake is. One pass over all receivers gathers direct light, one more each bounce.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// 0: direct light; k: bounce k.
     pub bounce: u32,
-    /// Rays cast so far, over all passes.
+    /// Receivers done so far, over all passes.
+    pub done: u64,
+    /// Receivers of all passes.
+    pub total: u64,
+    /// Rays cast so far.
     pub rays: u64,
-    /// Rays all passes will cast.
-    pub total_rays: u64,
 }
 
 /// How a bake talks to the one who started it.
@@ -62,8 +79,10 @@ pub struct Monitor<'a> {
 pub struct Need {
     /// Of transfer in the finished asset.
     pub result: u64,
-    /// Of memory at its fullest, the scene not counted.
+    /// Of memory at its fullest at most, the scene not counted, in a bake without a checkpoint.
     pub memory: u64,
+    /// Of disk at most, in a bake with one.
+    pub checkpoint: u64,
 }
 
 /// Why a bake did not happen.
@@ -75,6 +94,20 @@ pub enum BakeError {
     /// No rays, or too many.
     #[error("{0} samples per vertex are outside 1…{max}; 1024 is usual", max = BakeOptions::MAX_SAMPLES)]
     Samples(u32),
+    /// An error that cannot be reached, or is none.
+    #[error("an error of {0} per vertex is outside {min}…0.5; 0.01 is usual", min = BakeOptions::MIN_ERROR)]
+    Error(f64),
+    /// No receivers in a tile.
+    #[error("tiles have at least one receiver")]
+    Tile,
+    /// Embree was asked for, and cannot be used.
+    #[cfg(feature = "embree")]
+    #[error(transparent)]
+    Embree(#[from] super::trace::embree::EmbreeError),
+    /// The checkpoint cannot be written or read.
+    #[cfg(not(target_arch = "wasm32"))]
+    #[error(transparent)]
+    Checkpoint(#[from] super::checkpoint::CheckpointError),
     /// Too many interreflections.
     #[error("{0} bounces are more than {max}; light is gone after about ten", max = BakeOptions::MAX_BOUNCES)]
     Bounces(u32),
@@ -95,6 +128,9 @@ impl BakeOptions {
     /// The most interreflections.
     pub const MAX_BOUNCES: u32 = 64;
 
+    /// The least error that can be asked for.
+    pub const MIN_ERROR: f64 = 1e-4;
+
     /// Refuses what makes no sense.
     pub fn check(&self, world: &World) -> Result<(), BakeError> {
         if world.triangles.is_empty() {
@@ -102,6 +138,15 @@ impl BakeOptions {
         }
         if !(1..=Self::MAX_SAMPLES).contains(&self.samples) {
             return Err(BakeError::Samples(self.samples));
+        }
+        if let Some(error) = self
+            .error
+            .filter(|error| !(Self::MIN_ERROR..=0.5).contains(error))
+        {
+            return Err(BakeError::Error(error));
+        }
+        if self.tile == 0 {
+            return Err(BakeError::Tile);
         }
         if self.bounces > Self::MAX_BOUNCES {
             return Err(BakeError::Bounces(self.bounces));
@@ -120,13 +165,19 @@ impl BakeOptions {
     /// What baking `world` takes, back sides included.
     pub fn need(&self, world: &World) -> Need {
         let receivers = super::receiver::Receivers::new(world).len() as u64;
-        let row = 4 * self.order.count() as u64;
-        let result = receivers * row * self.channels() as u64;
-        // The rows and their copy in the vertices' order; with bounces the sum, the last bounce and the next one.
-        let copies = if self.bounces == 0 { 2 } else { 3 };
+        let row = receivers * 4 * self.order.count() as u64;
+        let result = row * self.channels() as u64;
+        // Direct light; with bounces their sum, the last one and the next one; and the result.
+        let terms = if self.bounces == 0 { row } else { 10 * row };
+        let operator = if self.bounces == 0 {
+            0
+        } else {
+            self.operator_bytes
+        };
         Need {
             result,
-            memory: copies * result,
+            memory: terms + result + operator,
+            checkpoint: row * u64::from(1 + 3 * self.bounces) + result + operator,
         }
     }
 }

@@ -1,194 +1,187 @@
 //! The bake itself: direct transfer, then the Neumann series, tile by tile.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
-use rayon::prelude::*;
-
-use super::buried::{Filling, is_buried};
-use super::gather::{self, Scratch, Stage};
+use super::buried::Filling;
+use super::directions::{Directions, Plan};
+use super::gather::{Found, Stage};
+use super::operator;
+use super::passes::{Counters, Passes, Report};
 use super::receiver::Receivers;
+use super::store::Store;
 use super::trace::Tracer;
-use super::{BakeError, BakeOptions, Monitor, Progress};
+use super::{BakeError, BakeOptions, Monitor};
 use crate::asset::{BackTransfer, Transfer, TransferKind};
 use crate::basis::Zonal;
+use crate::files::Rows;
 use crate::scene::World;
-
-/// Receivers of one tile: the unit of work, of progress and of cancelling.
-const TILE: usize = 256;
 
 /// Bakes diffuse transfer vectors for every vertex of `world`.
 ///
 /// Transferred irradiance over π, without the receiver's albedo, in world space; see [`Transfer`]. The result is the same, to the bit, for any
-/// number of threads.
+/// number of threads, any size of tile and every instruction set.
 pub fn bake(
     world: &World,
     options: &BakeOptions,
     monitor: &Monitor,
 ) -> Result<Transfer, BakeError> {
+    Ok(bake_in(world, options, monitor, &Store::default())?.transfer)
+}
+
+/// [`bake`], keeping every finished tile in `checkpoint` and taking up the tiles that are there already.
+///
+/// The checkpoint's fingerprint has to name the world and the options; the bytes are those of a bake without interruption. The result may be
+/// mapped from the checkpoint's files: drop it before removing them.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn bake_with_checkpoint(
+    world: &World,
+    options: &BakeOptions,
+    monitor: &Monitor,
+    checkpoint: &super::checkpoint::Checkpoint,
+) -> Result<Baked, BakeError> {
+    bake_in(
+        world,
+        options,
+        monitor,
+        &Store {
+            checkpoint: Some(checkpoint),
+        },
+    )
+}
+
+/// A bake's result, and what it took.
+#[derive(Debug)]
+pub struct Baked {
+    /// The result.
+    pub transfer: Transfer,
+    /// What was done for it.
+    pub report: Report,
+}
+
+fn bake_in(
+    world: &World,
+    options: &BakeOptions,
+    monitor: &Monitor,
+    store: &Store,
+) -> Result<Baked, BakeError> {
     options.check(world)?;
     let Some(threads) = options.threads else {
-        return bake_here(world, options, monitor);
+        return bake_here(world, options, monitor, store);
     };
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
         .map_err(|failure| BakeError::Threads(threads, failure))?
-        .install(|| bake_here(world, options, monitor))
+        .install(|| bake_here(world, options, monitor, store))
 }
 
 fn bake_here(
     world: &World,
     options: &BakeOptions,
     monitor: &Monitor,
-) -> Result<Transfer, BakeError> {
+    store: &Store,
+) -> Result<Baked, BakeError> {
     let receivers = Receivers::new(world);
     if !options.shadows {
         let rows = unshadowed(&receivers, options);
-        return Ok(finish(
+        let transfer = finish(
             options,
             &receivers,
-            &rows,
+            &[rows],
             vec![true; world.positions.len()],
-        ));
+            store,
+        )?;
+        return Ok(Baked {
+            transfer,
+            report: Report::default(),
+        });
     }
-    let tracer = Tracer::new(world);
-    let BakeOptions {
-        order,
-        samples,
-        seed,
-        ..
-    } = *options;
+    let tracer = Tracer::with_engine(world, &options.engine)?;
+    let plan = match options.error {
+        Some(_) => Plan::UntilGood(options.samples),
+        None => Plan::All(options.samples),
+    };
     let stage = Stage {
         world,
         tracer: &tracer,
         receivers: &receivers,
-        order,
-        samples,
-        seed,
+        directions: &Directions::new(plan, options.order, options.seed),
+        plan,
+        error: options.error.unwrap_or(0.0),
+        order: options.order,
+        seed: options.seed,
+        level: options.engine.level(),
+        weight_channels: operator::channels(world),
     };
-    let passes = Passes::new(&stage, options, monitor);
+    let passes = Passes {
+        stage: &stage,
+        monitor,
+        store,
+        tile: options.tile,
+        passes: 1 + options.bounces,
+        counters: Counters::default(),
+    };
+    series(&passes, options)
+}
 
-    // Direct light, and how buried everything is.
-    let (mut sum, back_hits) = passes.direct()?;
-    let buried = |&receiver: &u32| is_buried(back_hits[receiver as usize], samples);
+/// Direct light, then the bounces; the result is their sum.
+fn series(passes: &Passes, options: &BakeOptions) -> Result<Baked, BakeError> {
+    let (world, receivers) = (passes.stage.world, passes.stage.receivers);
+    let count = options.order.count();
+    let operator = match options.bounces {
+        0 => None,
+        _ => Some(
+            passes
+                .store
+                .operator(passes.tiles(), options.operator_bytes)?,
+        ),
+    };
+    let (mut direct, found) = passes.direct(operator.as_ref())?;
+    let buried = |&receiver: &u32| found[receiver as usize].buried;
     let valid: Vec<bool> = receivers
         .front
         .iter()
         .map(|receiver| !buried(receiver))
         .collect();
     let filling = Filling::new(world, &valid);
-    filling.apply(&mut sum, order.count(), &receivers.front);
+    filling.apply(&mut direct, count, &receivers.front);
 
-    // Each bounce gathers the one before; the result is their sum.
-    let mut channels = 1;
-    let mut last = Vec::new();
+    let mut terms = vec![direct];
     for bounce in 1..=options.bounces {
-        let previous = if bounce == 1 { &sum } else { &last };
-        let mut next = passes.bounce(bounce, previous, channels)?;
-        filling.apply(&mut next, 3 * order.count(), &receivers.front);
-        if bounce == 1 {
-            sum = in_three_channels(&sum, order.count());
-            channels = 3;
+        let Some((operator, previous)) = operator.as_ref().zip(terms.last()) else {
+            break;
+        };
+        let channels = if bounce == 1 { 1 } else { 3 };
+        let mut next = passes.bounce(bounce, operator, previous, channels)?;
+        filling.apply(&mut next, 3 * count, &receivers.front);
+        if passes.store.checkpoint.is_none() && terms.len() == 3 {
+            fold(&mut terms);
         }
-        sum.iter_mut()
-            .zip(&next)
-            .for_each(|(sum, next)| *sum += next);
-        last = next;
+        terms.push(next);
     }
-    Ok(finish(options, &receivers, &sum, valid))
+    let transfer = finish(options, receivers, &terms, valid, passes.store)?;
+    Ok(Baked {
+        transfer: with_samples(transfer, &found),
+        report: passes.report(),
+    })
 }
 
-/// Passes over all receivers.
-struct Passes<'a> {
-    stage: &'a Stage<'a>,
-    monitor: &'a Monitor<'a>,
-    rays: AtomicU64,
-    total_rays: u64,
+/// Adds the last bounce to the sum of those before it, in the order in which [`summed`] adds them.
+fn fold(terms: &mut Vec<Rows>) {
+    if let Some(last) = terms.pop() {
+        terms[1]
+            .iter_mut()
+            .zip(&*last)
+            .for_each(|(sum, term)| *sum += term);
+    }
 }
 
-impl<'a> Passes<'a> {
-    fn new(stage: &'a Stage, options: &BakeOptions, monitor: &'a Monitor) -> Self {
-        let a_pass = stage.receivers.len() as u64 * u64::from(stage.samples);
-        let total_rays = a_pass * u64::from(1 + options.bounces);
-        Self {
-            stage,
-            monitor,
-            rays: AtomicU64::new(0),
-            total_rays,
-        }
-    }
-
-    /// Rows of `n²`, and the rays of each receiver that met a dead back.
-    fn direct(&self) -> Result<(Vec<f32>, Vec<u32>), BakeError> {
-        let count = self.stage.order.count();
-        let mut rows = vec![0.0; self.stage.receivers.len() * count];
-        let mut back_hits = vec![0; self.stage.receivers.len()];
-        rows.par_chunks_mut(TILE * count)
-            .zip(back_hits.par_chunks_mut(TILE))
-            .enumerate()
-            .try_for_each_init(
-                || Scratch::new(self.stage),
-                |scratch, (tile, (rows, back_hits))| {
-                    for (i, (row, back_hits)) in
-                        rows.chunks_mut(count).zip(&mut *back_hits).enumerate()
-                    {
-                        *back_hits = gather::direct(self.stage, tile * TILE + i, scratch, row);
-                    }
-                    self.finished(0, back_hits.len())
-                },
-            )?;
-        Ok((rows, back_hits))
-    }
-
-    /// Rows of `3·n²`: what `previous` (of `channels · n²`) becomes after one more reflection.
-    fn bounce(
-        &self,
-        bounce: u32,
-        previous: &[f32],
-        channels: usize,
-    ) -> Result<Vec<f32>, BakeError> {
-        let stride = 3 * self.stage.order.count();
-        let mut rows = vec![0.0; self.stage.receivers.len() * stride];
-        rows.par_chunks_mut(TILE * stride)
-            .enumerate()
-            .try_for_each_init(
-                || Scratch::new(self.stage),
-                |scratch, (tile, rows)| {
-                    for (i, row) in rows.chunks_mut(stride).enumerate() {
-                        gather::bounce(
-                            self.stage,
-                            tile * TILE + i,
-                            previous,
-                            channels,
-                            scratch,
-                            row,
-                        );
-                    }
-                    self.finished(bounce, rows.len() / stride)
-                },
-            )?;
-        Ok(rows)
-    }
-
-    fn finished(&self, bounce: u32, receivers: usize) -> Result<(), BakeError> {
-        let rays = receivers as u64 * u64::from(self.stage.samples);
-        let rays = self.rays.fetch_add(rays, Ordering::Relaxed) + rays;
-        (self.monitor.progress)(Progress {
-            bounce,
-            rays,
-            total_rays: self.total_rays,
-        });
-        let cancelled = self.monitor.cancelled.load(Ordering::Relaxed);
-        if cancelled {
-            Err(BakeError::Cancelled)
-        } else {
-            Ok(())
-        }
-    }
+/// The rays that vertices cast at most, as the asset says it.
+fn with_samples(mut transfer: Transfer, found: &[Found]) -> Transfer {
+    transfer.samples = found.iter().map(|found| found.samples).max().unwrap_or(0);
+    transfer
 }
 
 /// `t_i = A_l/π · Y_i(n)` with the zonal eigenvalues A_l of the clamped cosine [ramamoorthi2001].
-fn unshadowed(receivers: &Receivers, options: &BakeOptions) -> Vec<f32> {
+fn unshadowed(receivers: &Receivers, options: &BakeOptions) -> Rows {
     let cosine = Zonal::clamped_cosine(options.order);
     let row = |receiver| {
         let normal = receivers.get(receiver, 0).normal.as_dvec3().normalize();
@@ -200,35 +193,28 @@ fn unshadowed(receivers: &Receivers, options: &BakeOptions) -> Vec<f32> {
     (0..receivers.len()).flat_map(row).collect()
 }
 
-/// Rows of `count` as rows of three times the same.
-fn in_three_channels(rows: &[f32], count: usize) -> Vec<f32> {
-    rows.chunks(count)
-        .flat_map(|row| std::iter::repeat_n(row, 3))
-        .flatten()
-        .copied()
-        .collect()
-}
-
-/// Rows from the receivers' order into the vertices'.
+/// The sum of the terms (direct light of one channel, bounces of three), from the receivers' order into the vertices'.
 fn finish(
     options: &BakeOptions,
     receivers: &Receivers,
-    rows: &[f32],
+    terms: &[Rows],
     valid: Vec<bool>,
-) -> Transfer {
-    let channels = options.channels();
-    let stride = channels * options.order.count();
-    let take = |which: &mut dyn Iterator<Item = u32>| -> crate::files::Rows {
-        which
-            .flat_map(|i| &rows[i as usize * stride..][..stride])
-            .copied()
-            .collect()
-    };
+    store: &Store,
+) -> Result<Transfer, BakeError> {
     let vertices = receivers.two_sided();
-    let back = (!vertices.is_empty()).then(|| BackTransfer {
-        coefficients: take(&mut vertices.iter().map(|&i| receivers.behind[i as usize])),
-        vertices,
-    });
+    let behind: Vec<u32> = vertices
+        .iter()
+        .map(|&i| receivers.behind[i as usize])
+        .collect();
+    let coefficients = summed("result-front", options, &receivers.front, terms, store)?;
+    let back = if vertices.is_empty() {
+        None
+    } else {
+        Some(BackTransfer {
+            coefficients: summed("result-back", options, &behind, terms, store)?,
+            vertices,
+        })
+    };
     let kind = if options.shadows {
         TransferKind::Shadowed {
             bounces: options.bounces,
@@ -236,14 +222,48 @@ fn finish(
     } else {
         TransferKind::Unshadowed
     };
-    Transfer {
+    Ok(Transfer {
         order: options.order,
-        channels,
+        channels: options.channels(),
         kind,
         samples: if options.shadows { options.samples } else { 0 },
         seed: options.seed,
-        coefficients: take(&mut receivers.front.iter().copied()),
+        coefficients,
         valid,
         back,
-    }
+    })
+}
+
+/// The rows of these receivers.
+fn summed(
+    name: &str,
+    options: &BakeOptions,
+    receivers: &[u32],
+    terms: &[Rows],
+    store: &Store,
+) -> Result<Rows, BakeError> {
+    let count = options.order.count();
+    let stride = options.channels() * count;
+    let pass = store.pass(name, receivers.len(), options.tile, stride)?;
+    let work = |(): &mut (), tile: usize, rows: &mut [f32]| {
+        let receivers = &receivers[tile * options.tile..];
+        for (&receiver, row) in receivers.iter().zip(rows.chunks_mut(stride)) {
+            let receiver = receiver as usize;
+            // Bounces first, from the first to the last; then direct light.
+            for term in &terms[1..] {
+                let term = &term[receiver * stride..][..stride];
+                row.iter_mut()
+                    .zip(term)
+                    .for_each(|(sum, term)| *sum += term);
+            }
+            let direct = &terms[0][receiver * count..][..count];
+            for row in row.chunks_mut(count) {
+                row.iter_mut()
+                    .zip(direct)
+                    .for_each(|(sum, direct)| *sum += direct);
+            }
+        }
+        Ok(())
+    };
+    pass.fill(|_| true, || (), work, |_| Ok(()))
 }

@@ -260,7 +260,7 @@ fn light_bounces_off_the_back_of_a_double_sided_surface_only() {
 fn cancelling_stops_the_bake() {
     let world = World::new(&bundled::sphere(48, 0.5));
     let cancelled = AtomicBool::new(false);
-    let stop = |progress: Progress| cancelled.store(progress.rays > 0, Ordering::Relaxed);
+    let stop = |progress: Progress| cancelled.store(progress.done > 0, Ordering::Relaxed);
     let result = bake(
         &world,
         &options(16, 0),

@@ -10,6 +10,7 @@
 //! | `quadrature` | exact integration over the sphere | [`Quadrature`], [`gauss_legendre`] |
 //! | `project` | function → coefficients → function | [`project()`], [`project_samples`], [`evaluate`], [`evaluate_rgb`] |
 //! | `rotate` | rotation of an expansion by a matrix | [`Rotation`], [`turn`] |
+//! | `euler` | rotation of many expansions, each by angles of its own | [`EulerRotation`], [`Euler`] |
 //! | `product` | the expansion of a product, triple products | [`Product`] |
 //! | `zonal` | lobes about an axis, convolution with them | [`Zonal`] |
 //! | `window` | against ringing | [`Window`], [`hann`], [`gauss`] |
@@ -31,6 +32,7 @@
 //! ```
 
 mod convention;
+mod euler;
 #[cfg(test)]
 mod fixtures;
 mod order;
@@ -43,6 +45,7 @@ mod window;
 mod zonal;
 
 pub use convention::{Convention, UnknownConvention};
+pub use euler::{Angle, Euler, EulerRotation};
 pub use order::{Order, OrderError, index};
 pub use product::{Entry, Product};
 pub use project::{evaluate, evaluate_rgb, project, project_samples};

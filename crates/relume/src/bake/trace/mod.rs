@@ -30,8 +30,17 @@ pub use walk::rays_of;
 /// instruction set or on the order of anything.
 pub struct Tracer<'w> {
     world: &'w World,
-    tree: tree::Tree,
-    level: Level,
+    caster: Caster,
+}
+
+/// What answers.
+enum Caster {
+    Packets {
+        tree: tree::Tree,
+        level: Level,
+    },
+    #[cfg(feature = "embree")]
+    Embree(embree::Embree),
 }
 
 impl<'w> Tracer<'w> {
@@ -42,11 +51,21 @@ impl<'w> Tracer<'w> {
 
     /// [`Self::new`], for an instruction set of choice.
     pub fn with_level(world: &'w World, level: Level) -> Self {
+        let tree = tree::Tree::new(world, level.width());
         Self {
             world,
-            tree: tree::Tree::new(world, level.width()),
-            level,
+            caster: Caster::Packets { tree, level },
         }
+    }
+
+    /// Embree 4 over all triangles of `world`: loaded from an absolute path, or where the system keeps it.
+    #[cfg(feature = "embree")]
+    pub fn with_embree(
+        world: &'w World,
+        path: Option<&std::path::Path>,
+    ) -> Result<Self, embree::EmbreeError> {
+        let caster = Caster::Embree(embree::Embree::new(world, path)?);
+        Ok(Self { world, caster })
     }
 
     /// The first surface along each ray `origin + t · rays[i]`, t > 0, into `hits[i]`.
@@ -54,23 +73,56 @@ impl<'w> Tracer<'w> {
     /// Neighbours in the list should point alike: they travel together.
     pub fn closest_from(&self, origin: Vec3, rays: &Rays, hits: &mut [Hit]) {
         assert_eq!(rays.len(), hits.len(), "one hit per ray");
-        self.level.run(walk::Closest {
-            tracer: self,
-            origin,
-            rays,
-            hits,
-        });
+        match &self.caster {
+            Caster::Packets { tree, level } => level.run(walk::Closest {
+                tracer: self,
+                tree,
+                origin,
+                rays,
+                hits,
+            }),
+            #[cfg(feature = "embree")]
+            Caster::Embree(embree) => embree.closest_from(origin, rays, |i, triangle, t| {
+                hits[i] = self.hit(origin, rays.get(i), triangle, t);
+            }),
+        }
     }
 
     /// Which rays meet nothing: bit i mod 64 of `open[i / 64]` ([`rays_of`] lists them).
     pub fn open_from(&self, origin: Vec3, rays: &Rays, open: &mut [u64]) {
         assert_eq!(rays.words(), open.len(), "one bit per ray");
-        self.level.run(walk::Open {
-            tracer: self,
-            origin,
-            rays,
-            open,
-        });
+        match &self.caster {
+            Caster::Packets { tree, level } => level.run(walk::Open {
+                tracer: self,
+                tree,
+                origin,
+                rays,
+                open,
+            }),
+            #[cfg(feature = "embree")]
+            Caster::Embree(embree) => embree.open_from(origin, rays, open),
+        }
+    }
+
+    /// Whether alpha leaves no hole where the ray meets the triangle.
+    #[cold]
+    fn is_solid(&self, triangle: u32, origin: Vec3, direction: Vec3) -> bool {
+        let (u, v, _) = triangle::weights(self.world.corners(triangle), origin, direction);
+        self.world.is_solid(triangle, [1.0 - u - v, u, v])
+    }
+
+    fn hit(&self, origin: Vec3, direction: Vec3, triangle: u32, t: f32) -> Hit {
+        if triangle == Hit::NONE {
+            return Hit::MISS;
+        }
+        let (u, v, front) = triangle::weights(self.world.corners(triangle), origin, direction);
+        Hit {
+            triangle,
+            t,
+            u,
+            v,
+            front,
+        }
     }
 }
 

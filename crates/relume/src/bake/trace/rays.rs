@@ -59,6 +59,11 @@ impl Rays {
         }
     }
 
+    /// Directions `start` to `start + N`, by component.
+    pub fn lanes<const N: usize>(&self, start: usize) -> [[f32; N]; 3] {
+        [&self.x, &self.y, &self.z].map(|values| std::array::from_fn(|lane| values[start + lane]))
+    }
+
     fn resize(&mut self, count: usize) {
         self.count = count;
         let padded = count.next_multiple_of(PACKET);

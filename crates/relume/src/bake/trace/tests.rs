@@ -1,6 +1,6 @@
 use glam::{Vec2, Vec3};
 
-use super::super::sampling::{frame, vertex_seed};
+use super::super::sampling::vertex_seed;
 use super::test_worlds::{mesh_of, world_of};
 use super::*;
 use crate::scene::{AlphaMode, Group, Material, Sampler, Texture, World, Wrap};
@@ -137,7 +137,7 @@ fn every_hit_is_the_nearest_by_a_plain_search_in_f64() {
     for _ in 0..200 {
         let [origin, normal] =
             [(); 2].map(|()| Vec3::from([number(), number(), number()]) * 4.0 - 2.0);
-        let (tangent, _) = frame(normal.normalize());
+        let tangent = normal.normalize().any_orthonormal_vector();
         let directions: Vec<Vec3> = (0..77)
             .map(|i| (normal.normalize() + tangent * (i as f32 / 40.0 - 1.0)).normalize())
             .collect();

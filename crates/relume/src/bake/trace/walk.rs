@@ -4,14 +4,15 @@ use glam::Vec3;
 
 use super::packet::{Candidate, Packet, bits};
 use super::rays::{PACKET, Rays};
-use super::tree::{Child, LEAF};
-use super::triangle::{Corners, Shapes, weights};
+use super::tree::{Child, LEAF, Tree};
+use super::triangle::{Corners, Shapes};
 use super::{Hit, Tracer};
 use crate::simd::{Kernel, Lanes};
 
 /// The first surface along each ray.
 pub struct Closest<'a> {
     pub tracer: &'a Tracer<'a>,
+    pub tree: &'a Tree,
     pub origin: Vec3,
     pub rays: &'a Rays,
     pub hits: &'a mut [Hit],
@@ -20,6 +21,7 @@ pub struct Closest<'a> {
 /// Which rays meet nothing.
 pub struct Open<'a> {
     pub tracer: &'a Tracer<'a>,
+    pub tree: &'a Tree,
     pub origin: Vec3,
     pub rays: &'a Rays,
     pub open: &'a mut [u64],
@@ -64,7 +66,7 @@ impl Closest<'_> {
         wanted: u64,
         hits: &mut [Hit],
     ) {
-        walk::<L, G, true>(self.tracer, self.origin, &mut packet);
+        walk::<L, G, true>(self.tracer, self.tree, self.origin, &mut packet);
         let mut distances = [0.0; PACKET];
         packet.distances(&mut distances);
         for (k, hit) in hits.iter_mut().enumerate() {
@@ -96,14 +98,14 @@ impl Open<'_> {
         for (i, open) in self.open.iter_mut().enumerate() {
             let first = i * PACKET;
             if let Some(mut packet) = Packet::<L, G>::new(self.rays, first, u64::MAX) {
-                walk::<L, G, false>(self.tracer, self.origin, &mut packet);
+                walk::<L, G, false>(self.tracer, self.tree, self.origin, &mut packet);
                 *open = packet.open();
                 continue;
             }
             *open = 0;
             for k in 0..PACKET.min(self.rays.len() - first) {
                 if let Some(mut packet) = Packet::<L, G>::new(self.rays, first, 1 << k) {
-                    walk::<L, G, false>(self.tracer, self.origin, &mut packet);
+                    walk::<L, G, false>(self.tracer, self.tree, self.origin, &mut packet);
                     *open |= packet.open();
                 }
             }
@@ -128,10 +130,10 @@ const ROOM: usize = 256;
 #[inline(always)]
 fn walk<L: Lanes, const G: usize, const CLOSEST: bool>(
     tracer: &Tracer,
+    tree: &Tree,
     origin: Vec3,
     packet: &mut Packet<L, G>,
 ) {
-    let tree = &tracer.tree;
     if tree.counts.is_empty() {
         return;
     }
@@ -162,10 +164,10 @@ fn walk<L: Lanes, const G: usize, const CLOSEST: bool>(
             continue;
         }
         if let Some(leaf) = visit.child.leaf() {
-            meet_leaf::<L, G, CLOSEST>(tracer, origin, leaf, groups, packet);
+            meet_leaf::<L, G, CLOSEST>(tracer, tree, origin, leaf, groups, packet);
         } else {
             depth = push_children::<L, G, CLOSEST>(
-                tracer,
+                tree,
                 origin,
                 visit.child.node(),
                 groups,
@@ -180,7 +182,7 @@ fn walk<L: Lanes, const G: usize, const CLOSEST: bool>(
 /// Puts the children that some group reaches on the stack, the nearest on top; returns its new depth.
 #[inline(always)]
 fn push_children<L: Lanes, const G: usize, const CLOSEST: bool>(
-    tracer: &Tracer,
+    tree: &Tree,
     origin: Vec3,
     node: usize,
     groups: u32,
@@ -188,7 +190,6 @@ fn push_children<L: Lanes, const G: usize, const CLOSEST: bool>(
     stack: &mut [Visit],
     mut depth: usize,
 ) -> usize {
-    let tree = &tracer.tree;
     let bounds = &tree.boxes[node * 6 * L::COUNT..][..6 * L::COUNT];
     let [x, y, z] = [L::splat(origin.x), L::splat(origin.y), L::splat(origin.z)];
     let zero = L::splat(0.0);
@@ -263,12 +264,12 @@ fn vector<L: Lanes>(values: &[f32], k: usize) -> L {
 #[inline(always)]
 fn meet_leaf<L: Lanes, const G: usize, const CLOSEST: bool>(
     tracer: &Tracer,
+    tree: &Tree,
     origin: Vec3,
     leaf: usize,
     groups: u32,
     packet: &mut Packet<L, G>,
 ) {
-    let tree = &tracer.tree;
     let values = tree.leaf(leaf);
     let [x, y, z] = [L::splat(origin.x), L::splat(origin.y), L::splat(origin.z)];
     let corners: Corners<L> = [
@@ -308,29 +309,6 @@ fn meet_leaf<L: Lanes, const G: usize, const CLOSEST: bool>(
             } else {
                 packet.meet_any(g, &candidate, solid);
             }
-        }
-    }
-}
-
-impl Tracer<'_> {
-    /// Whether alpha leaves no hole where the ray meets the triangle.
-    #[cold]
-    fn is_solid(&self, triangle: u32, origin: Vec3, direction: Vec3) -> bool {
-        let (u, v, _) = weights(self.world.corners(triangle), origin, direction);
-        self.world.is_solid(triangle, [1.0 - u - v, u, v])
-    }
-
-    fn hit(&self, origin: Vec3, direction: Vec3, triangle: u32, t: f32) -> Hit {
-        if triangle == Hit::NONE {
-            return Hit::MISS;
-        }
-        let (u, v, front) = weights(self.world.corners(triangle), origin, direction);
-        Hit {
-            triangle,
-            t,
-            u,
-            v,
-            front,
         }
     }
 }
