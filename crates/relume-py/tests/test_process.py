@@ -1,5 +1,6 @@
 """How a call behaves in the process around it: Ctrl-C, other threads, forks."""
 
+import contextlib
 import multiprocessing
 import os
 import signal
@@ -39,8 +40,6 @@ relume.bake(*grid(3), samples=16, threads=1)
 """
 
 
-
-
 def bake_of(seconds):
     """Arguments of a bake that takes about so long here."""
     samples = 1 << 12
@@ -52,29 +51,36 @@ def bake_of(seconds):
         samples *= 2
 
 
+@contextlib.contextmanager
 def python(code):
+    """A Python that runs `code`, ended at the latest when the test is."""
     folders = os.pathsep.join([os.path.dirname(__file__), os.environ.get("PYTHONPATH", "")])
-    return subprocess.Popen(
+    with subprocess.Popen(
         [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": folders}
-    )
+    ) as child:
+        try:
+            yield child
+        finally:
+            child.kill()
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
 def test_ctrl_c_raises_keyboard_interrupt_at_once():
-    out, err = python(INTERRUPTED).communicate(timeout=60)
+    with python(INTERRUPTED) as child:
+        out, err = child.communicate(timeout=60)
     assert not err, err
     assert float(out) < SOON
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
 def test_ctrl_c_ends_a_program_that_does_not_catch_it():
-    child = python(f"import relume; from shapes import grid; print('go', flush=True); relume.bake(*grid(40), **{LONG})")
-    assert child.stdout.readline() == "go\n"
-    time.sleep(0.3)
-    start = time.monotonic()
-    child.send_signal(signal.SIGINT)
-    _, err = child.communicate(timeout=60)
-    assert time.monotonic() - start < SOON
+    with python(f"import relume; from shapes import grid; print('go', flush=True); relume.bake(*grid(40), **{LONG})") as child:
+        assert child.stdout.readline() == "go\n"
+        time.sleep(0.3)
+        start = time.monotonic()
+        child.send_signal(signal.SIGINT)
+        _, err = child.communicate(timeout=60)
+        assert time.monotonic() - start < SOON
     assert err.rstrip().endswith("KeyboardInterrupt")
     # Python ends itself by the signal it was interrupted by.
     assert child.returncode == -signal.SIGINT
@@ -164,5 +170,6 @@ except MemoryError as error:
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs a limit on address space")
 def test_a_result_larger_than_memory_is_a_memory_error():
-    out, err = python(TOO_LARGE).communicate(timeout=60)
+    with python(TOO_LARGE) as child:
+        out, err = child.communicate(timeout=60)
     assert (out, err) == ("the bake needs 3686400000 bytes: lower order, or bake parts of the mesh\n", "")
