@@ -11,11 +11,11 @@ use crate::tally::Tally;
 /// The Python that makes environments.
 pub const SYSTEM: &str = if cfg!(windows) { "python" } else { "python3" };
 
-/// What the tests in tests/python import.
+/// What the Python tests import, and what builds the Python package; the package itself is installed here, too.
 pub static TESTS: Environment = Environment {
     folder: "venv",
-    packages: "numpy",
-    probe: "import numpy",
+    packages: "maturin>=1.16,<2 numpy pytest trimesh",
+    probe: "import maturin, numpy, pytest, trimesh",
 };
 
 /// A virtual environment under target/.
@@ -87,19 +87,75 @@ impl Environment {
     }
 }
 
-/// Runs tests/python with the debug build of `relume`.
+/// Runs tests/python with the debug build of `relume` and the package, which the README's examples import.
 pub fn run_tests(context: &Context) -> Result<Tally, String> {
-    // Built as `cargo test --workspace` builds it, so that nothing is built twice.
-    if !process::succeeds(&mut context.cargo("build --locked --workspace --bins"))? {
-        return Ok(Tally::failure("cargo build --workspace --bins"));
+    if let Some(failed) = install_package(context)? {
+        return Ok(Tally::failure(failed));
     }
-    let mut libtest = Libtest::default();
+    let mut command = TESTS.python(context);
+    command.arg("-u").arg("tests/python/run.py");
+    stream_tests(context, &mut command)
+}
+
+/// Builds the wheel of crates/relume-py, installs it and runs its tests on it.
+pub fn run_package_tests(context: &Context) -> Result<Tally, String> {
+    if let Some(failed) = install_package(context)? {
+        return Ok(Tally::failure(failed));
+    }
     let mut command = TESTS.python(context);
     command
-        .arg("-u")
-        .arg("tests/python/run.py")
+        .args(["-u", "-m", "pytest", "-p", "no:terminal", "-p", "libtest"])
+        .arg("crates/relume-py/tests")
+        // pytest looks for plugins before it reads the paths in pyproject.toml.
+        .env("PYTHONPATH", context.root.join("tests/python"));
+    stream_tests(context, &mut command)
+}
+
+/// Counts the tests of `command`, which find the program by `RELUME`.
+fn stream_tests(context: &Context, command: &mut Command) -> Result<Tally, String> {
+    let mut libtest = Libtest::default();
+    command
         .env("RELUME", context.relume("debug"))
         .env("RELUME_ASSETS", context.assets());
-    let status = process::stream(&mut command, |line| libtest.line(line))?;
+    let status = process::stream(command, |line| libtest.line(line))?;
     Ok(libtest.finish(status.success()))
+}
+
+/// Builds the program and the package in the one profile, and installs the package where [`TESTS`] are; what failed, if something did.
+fn install_package(context: &Context) -> Result<Option<&'static str>, String> {
+    let wheels = context.target.join("wheels");
+    // Wheels of other versions would be installed, too.
+    match std::fs::remove_dir_all(&wheels) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            return Err(format!("{}: {error}", wheels.display()));
+        }
+        _ => (),
+    }
+    // Built as `cargo test --workspace` builds it, so that nothing is built twice.
+    let program = context.cargo("build --locked --workspace --bins");
+    let mut wheel = TESTS.python(context);
+    wheel
+        .args(["-m", "maturin", "build", "--quiet", "--profile", "dev"])
+        .args(["--manifest-path", "crates/relume-py/Cargo.toml"])
+        .arg("--interpreter")
+        .arg(TESTS.interpreter(context))
+        .arg("--out")
+        .arg(&wheels)
+        .env("CARGO_TARGET_DIR", &context.target);
+    let mut install = TESTS.python(context);
+    install
+        .args(["-m", "pip", "install", "--quiet", "--no-index"])
+        .args(["--no-deps", "--force-reinstall", "--find-links"])
+        .arg(&wheels)
+        .arg("relume");
+    for (what, mut command) in [
+        ("cargo build --workspace --bins", program),
+        ("maturin build", wheel),
+        ("pip install relume", install),
+    ] {
+        if !process::succeeds(&mut command)? {
+            return Ok(Some(what));
+        }
+    }
+    Ok(None)
 }

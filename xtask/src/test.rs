@@ -81,6 +81,12 @@ pub const STEPS: &[Step] = &[
         run: tests,
     },
     Step {
+        name: "wheel",
+        what: "the Python package: built, installed under target/, its tests",
+        needs: &[Need::Python, Need::Environment(&python::TESTS)],
+        run: python::run_package_tests,
+    },
+    Step {
         name: "python",
         what: "exports read with numpy, and the Python examples of the documentation",
         needs: &[Need::Python, Need::Environment(&python::TESTS)],

@@ -37,6 +37,7 @@ pub enum Command {
     Compare(CompareArgs),
     Export(ExportArgs),
     Info(InfoArgs),
+    Completions(CompletionsArgs),
 }
 
 /// Bake and relight a bundled scene; pictures at the end
@@ -98,6 +99,9 @@ pub struct BakeArgs {
     /// Threads to work with [default: one per core]; the result does not depend on it
     #[arg(long, value_name = "N", value_parser = parse::threads)]
     pub threads: Option<usize>,
+    /// Print a summary as JSON on stdout (docs/json.md)
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -229,8 +233,9 @@ pub enum SweepArg {
 #[command(after_help = "\
 Example:
   relume compare baked.glb --light studio.hdr --vertices 400
+  relume compare baked.glb --light sky:30,3 --picture error.png
 
-Both sides get the light at the asset's order, so that what is measured is the error of the bake: sampling, and interpolation between
+The picture shows ours | path traced | the difference, with its scale. Both sides get the light at the asset's order, so that what is measured is the error of the bake: sampling, and interpolation between
 vertices where light bounces.")]
 pub struct CompareArgs {
     /// A baked asset
@@ -246,6 +251,15 @@ pub struct CompareArgs {
     /// Chooses the vertices and the paths
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
+    /// An error picture to write, .png: ours | path traced | difference (blue: ours is too dark; red: too bright)
+    #[arg(long, value_name = "FILE")]
+    pub picture: Option<PathBuf>,
+    /// Pixels of each of the three views in the picture
+    #[arg(long, value_name = "WxH", default_value = "480x270", requires = "picture", value_parser = parse::size)]
+    pub size: (u32, u32),
+    /// Print the figures as JSON (docs/json.md)
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Coefficients of a baked asset in other people's formats
@@ -264,7 +278,35 @@ pub struct ExportArgs {
 
 /// What is in a file: an asset, a scene, a light
 #[derive(Args)]
+#[command(after_help = "\
+Examples:
+  relume info baked.glb
+  relume info baked.glb --json | python3 -m json.tool")]
 pub struct InfoArgs {
     /// The file
     pub file: PathBuf,
+    /// Print it as JSON (docs/json.md)
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Completions for a shell, on stdout
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  relume completions bash > ~/.local/share/bash-completion/completions/relume
+  relume completions zsh > ~/.zfunc/_relume                    with fpath+=(~/.zfunc) before compinit in ~/.zshrc
+  relume completions fish > ~/.config/fish/completions/relume.fish
+  relume completions powershell >> $PROFILE")]
+pub struct CompletionsArgs {
+    /// The shell
+    pub shell: ShellArg,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ShellArg {
+    Bash,
+    Zsh,
+    Fish,
+    Powershell,
 }

@@ -12,6 +12,7 @@ use sysinfo::{Disks, System};
 use crate::args::{BakeArgs, MaxEdge};
 use crate::failure::Failure;
 use crate::inputs::{check_extension, check_output, shown, warn};
+use crate::json;
 use crate::progress::{self, bytes, grouped};
 
 pub fn run(args: &BakeArgs) -> Result<(), Failure> {
@@ -39,11 +40,16 @@ pub fn run(args: &BakeArgs) -> Result<(), Failure> {
     };
     options.check(&world)?;
     check_room(&scene, &world, &options, &args.output)?;
+    let start = Instant::now();
     let transfer = bake_with_bar(&world, &options)?;
+    let seconds = start.elapsed().as_secs_f64();
     let asset = Asset { scene, transfer };
     asset::write(&asset, &args.output)?;
     let size = std::fs::metadata(&args.output).map_or(0, |file| file.len());
     eprintln!("wrote {} ({})", shown(&args.output), bytes(size));
+    if args.json {
+        json::print(&json::baked(&asset, &args.output, size, seconds));
+    }
     Ok(())
 }
 

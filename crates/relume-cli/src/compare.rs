@@ -1,14 +1,24 @@
 //! `relume compare`
 
+mod font;
+mod picture;
+
 use relume::files::printable;
 use relume::reference::{self, CompareOptions, Comparison};
 
 use crate::args::CompareArgs;
 use crate::failure::Failure;
-use crate::inputs::{self, shown};
-use crate::progress;
+use crate::inputs::{self, check_extension, check_output, light_path, shown};
+use crate::{json, progress};
+
+pub use picture::ErrorPicture;
 
 pub fn run(args: &CompareArgs) -> Result<(), Failure> {
+    if let Some(path) = &args.picture {
+        check_extension(path, &["png"])?;
+        let inputs = [Some(args.asset.as_path()), light_path(&args.light.env)];
+        check_output(path, &inputs.into_iter().flatten().collect::<Vec<_>>())?;
+    }
     let (asset, world) = inputs::open_asset(&args.asset)?;
     let environment = inputs::open_environment(&args.light.env, &args.light.change)?;
     let light = inputs::project(&environment, asset.transfer.order, &args.light.change)?.light;
@@ -27,16 +37,41 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     let spinner = progress::spinner("path tracing");
     let comparison = reference::compare(&world, &asset.transfer, &light, &options);
     spinner.finish_and_clear();
-    match comparison {
-        Some(comparison) => print(&comparison),
-        None => {
-            let asset = printable(&shown(&args.asset));
-            return Err(Failure::new(format!(
-                "{asset}: every vertex is buried; nothing can be compared"
-            )));
-        }
+    let Some(comparison) = comparison else {
+        let asset = printable(&shown(&args.asset));
+        return Err(Failure::new(format!(
+            "{asset}: every vertex is buried; nothing can be compared"
+        )));
+    };
+    let picture = args.picture.as_ref().map(|path| {
+        let transfer = &asset.transfer;
+        picture::write(&world, transfer, &light, seed, args.size, path)
+    });
+    let picture = picture.transpose()?;
+    if args.json {
+        json::print(&json::comparison(&comparison, picture.as_ref()));
+        return Ok(());
+    }
+    print(&comparison);
+    if let Some(picture) = &picture {
+        print_picture(picture);
     }
     Ok(())
+}
+
+fn print_picture(picture: &ErrorPicture) {
+    let percent = |x: f64| 100.0 * x;
+    println!("{}: ours | path traced | difference", shown(&picture.path));
+    println!(
+        "  of luminance, relative to its mean over the surfaces seen; black is none, blue too dark, red too bright"
+    );
+    println!(
+        "  full colour at ±{} %, largest {:.3} %, RMS {:.3} %, of which the path tracer's own noise is {:.3} %",
+        percent(picture.scale),
+        percent(picture.largest),
+        percent(picture.relative_rms),
+        percent(picture.noise)
+    );
 }
 
 fn print(comparison: &Comparison) {

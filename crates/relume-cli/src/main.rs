@@ -1,17 +1,19 @@
 //! The `relume` program: parse, do one stage, say what happened.
 //!
-//! Data goes to files, words to stderr (what `info` and `compare` were asked for goes to stdout). Exit status: 0; 1 for what is wrong with
+//! Data goes to files, words to stderr (what `info`, `compare`, `completions` and `--json` were asked for goes to stdout). Exit status: 0; 1 for what is wrong with
 //! an input, in one line; 2 for what the command line alone shows to be wrong; 130 after Ctrl-C.
 
 mod args;
 mod bake;
 mod compare;
+mod completions;
 mod demo;
 mod export;
 mod failure;
 mod info;
 mod inputs;
 mod interrupt;
+mod json;
 mod light;
 mod progress;
 mod render;
@@ -44,5 +46,6 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Compare(args) => compare::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Completions(args) => completions::run(&args),
     }
 }

@@ -118,6 +118,16 @@ pub enum SceneError {
         /// Number of vertices.
         vertices: usize,
     },
+    /// Another number of something than of vertices.
+    #[error("{count} {what} for {vertices} vertices; give one for each")]
+    Count {
+        /// What was counted.
+        what: &'static str,
+        /// Its number.
+        count: usize,
+        /// Number of vertices.
+        vertices: usize,
+    },
     /// More vertices or triangles, counted over all instances, than are read.
     #[error("has {count} {what}, more than the {limit} that Relume reads; reduce the scene")]
     TooMany {

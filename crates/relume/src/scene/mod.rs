@@ -23,6 +23,7 @@ mod tessellate;
 #[cfg(test)]
 #[cfg(feature = "import")]
 mod tests;
+mod triangles;
 mod world;
 
 pub use error::SceneError;
@@ -32,6 +33,7 @@ pub use load::{ImportOptions, load};
 pub use material::{AlphaMode, Material, Sampler, Texture, Wrap, srgb_to_linear};
 pub use mesh::{Group, Instance, Mesh};
 pub use tessellate::{TOO_COARSE, auto_max_edge, coarseness, tessellate};
+pub use triangles::{Albedo, Triangles};
 pub use world::{Surface, World};
 
 /// A scene as a file says it.

@@ -1,0 +1,195 @@
+"""Relume: precomputed radiance transfer. Bake how light moves over a mesh once, relight it in real time.
+
+    bake   triangles  → transfer vectors [V, C, n²]      once; on all cores, without the GIL
+    light  a light    → coefficients     [n², 3]         for each light
+    shade  both       → radiance         [V, 3]          for each frame
+
+Axes are right-handed with y up. Spherical harmonics are real and orthonormal, without Condon–Shortley phase, at index l(l + 1) + m; *order* n
+means the degrees 0…n − 1, n² coefficients. Colours are linear Rec. 709. Light is radiance.
+
+>>> import numpy as np, relume
+>>> vertices = np.array([[-9, 0, -9], [-9, 0, 9], [9, 0, 9], [9, 0, -9]], float)   # an open floor that faces up
+>>> faces = np.array([[0, 1, 2], [0, 2, 3]])
+>>> transfer = relume.bake(vertices, faces, samples=256)
+>>> transfer.shape, transfer.dtype
+((4, 1, 25), dtype('float32'))
+>>> sky = relume.light("constant:1,0.5,0.25")
+>>> sky.shape
+(25, 3)
+>>> radiance = relume.shade(transfer, sky, albedo=0.5)                             # a floor of albedo 0.5 sends out half of what arrives
+>>> print(radiance[0].round(3))
+[0.5   0.25  0.125]
+"""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Sequence
+from typing import Literal, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _arguments, _relume
+from ._relume import __version__
+
+__all__ = ["__version__", "bake", "light", "shade"]
+
+
+@overload
+def bake(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    *,
+    normals: ArrayLike | None = ...,
+    albedo: ArrayLike = ...,
+    order: int = ...,
+    samples: int = ...,
+    bounces: int = ...,
+    seed: int = ...,
+    threads: int | None = ...,
+    double_sided: bool = ...,
+    return_valid: Literal[False] = ...,
+) -> NDArray[np.float32]: ...
+@overload
+def bake(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    *,
+    normals: ArrayLike | None = ...,
+    albedo: ArrayLike = ...,
+    order: int = ...,
+    samples: int = ...,
+    bounces: int = ...,
+    seed: int = ...,
+    threads: int | None = ...,
+    double_sided: bool = ...,
+    return_valid: Literal[True],
+) -> tuple[NDArray[np.float32], NDArray[np.bool_]]: ...
+def bake(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    *,
+    normals: ArrayLike | None = None,
+    albedo: ArrayLike = 0.5,
+    order: int = 5,
+    samples: int = 1024,
+    bounces: int = 0,
+    seed: int = 0,
+    threads: int | None = None,
+    double_sided: bool = False,
+    return_valid: bool = False,
+) -> NDArray[np.float32] | tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    """Bakes the diffuse transfer vector of every vertex: shadowed direct light and `bounces` interreflections.
+
+    Returns float32 [V, C, order²], in the order of `vertices`; C is 1 without bounces and 3 (linear red, green, blue) with them. A row is the
+    transferred irradiance divided by π, as coefficients of the light: visibility, the cosine and 1/π are folded in, every bounce's albedo too, but
+    **not the receiver's own albedo**. So the radiance that leaves vertex v is
+
+        radiance[v, c] = albedo[v, c] * sum(transfer[v, c] * light[:, c])
+
+    which is what `relume.shade` computes. It is what `relume bake` and `relume export` write for the same mesh, to the bit, whatever the
+    number of threads.
+
+    vertices      [V, 3] floats, right-handed, y up. Those that no face uses stay in the result.
+    faces         [F, 3] integers: triangles, counter-clockwise seen from the front. Triangles without an area cast no shadow.
+    normals       [V, 3], of any length. Without them, and where one is zero: angle-weighted vertex normals; vertices at one place share one where
+                  theirs differ by less than 60°.
+    albedo        linear, in 0…1: a number, three, or [V, 3]. Only bounces depend on it.
+    order         1…32: order² coefficients, for light up to degree order − 1.
+    samples       rays for each vertex, and for each bounce again.
+    seed          chooses their directions.
+    threads       how many; None for all cores.
+    double_sided  whether the backs of faces reflect as the fronts do; otherwise they are black and block light. The result is for the side of the
+                  normals either way.
+    return_valid  also return bool [V]: False where a vertex lies inside something (more than half of its rays first meet the back of a one-sided
+                  face) and its row was filled from its neighbours.
+
+    The GIL is released. Ctrl-C raises KeyboardInterrupt at once when called from the main thread, the one that Python tells of it.
+
+    Raises ValueError, in one line that starts with the name of the argument, for everything that is not as above; MemoryError when the result
+    would not fit. What was repaired is said by warnings.warn.
+    """
+    points = _arguments.vertices(vertices)
+    result, valid, repairs = _relume.bake(
+        points,
+        _arguments.faces(faces, len(points)),
+        normals=_arguments.normals(normals, len(points)),
+        albedo=_arguments.albedo(albedo, len(points)),
+        order=_arguments.integer("order", order, 1, _arguments.MAX_ORDER),
+        samples=_arguments.integer("samples", samples, 1, _arguments.MAX_SAMPLES),
+        bounces=_arguments.integer("bounces", bounces, 0, _arguments.MAX_BOUNCES),
+        seed=_arguments.integer("seed", seed, 0, _arguments.MAX_SEED),
+        threads=None if threads is None else _arguments.integer("threads", threads, 1, _arguments.MAX_THREADS),
+        double_sided=bool(double_sided),
+    )
+    for repair in repairs:
+        # Normals that were not given are no repair.
+        if normals is not None or "normal" not in repair:
+            warnings.warn(repair, stacklevel=2)
+    return (result, valid) if return_valid else result
+
+
+def light(
+    env: str | os.PathLike[str] | ArrayLike,
+    *,
+    order: int = 5,
+    layout: str = "auto",
+    rotate: str | Sequence[str] = (),
+    window: str = "none",
+) -> NDArray[np.float32]:
+    """Projects distant light onto spherical harmonics.
+
+    Returns float32 [order², 3]: radiance, linear Rec. 709, from directions that point away from the scene. No π, cosine or albedo is folded in. It is
+    what `relume light` writes.
+
+    env     `"constant:R,G,B"`, `"sun:X,Y,Z,DEG,R,G,B"` (toward the sun, its diameter), `"sky:ELEVATION,TURBIDITY"`, the path of an image (.hdr, .exr,
+            .pfm, …) or of a light.json; or an array [H, W, 3] of linear radiance in floats, rows from the top, latitude and longitude: +Y up, +Z in
+            the centre, +X left of it.
+    order   1…32.
+    layout  how an image is wrapped around the scene: "latlong", "angular", "vcross", "hcross"; "auto" goes by the shape of a file, and is "latlong"
+            for an array.
+    rotate  turns, right-handed, the first one first: "X,Y,Z:DEG", such as "0,1,0:90", or several of them.
+    window  against ringing: "none", "hann" (cutoff at the order), "auto" (the least blur that keeps the light positive).
+
+    Raises ValueError, in one line that starts with the name of the argument; OSError for a file that cannot be read.
+    """
+    turns = [rotate] if isinstance(rotate, str) else list(rotate)
+    for name, value in (("layout", layout), ("window", window), *(("rotate", turn) for turn in turns)):
+        if not isinstance(value, str):
+            raise ValueError(f"{name}: {value!r} is not text")
+    source: str | os.PathLike[str] | NDArray[np.float32]
+    if isinstance(env, (str, os.PathLike)):
+        source = env
+    else:
+        source = _arguments.image(env)
+        layout = "latlong" if layout == "auto" else layout
+    result, notes = _relume.light(
+        source,
+        order=_arguments.integer("order", order, 1, _arguments.MAX_ORDER),
+        layout=layout,
+        rotate=turns,
+        window=window,
+    )
+    for note in notes:
+        warnings.warn(note, stacklevel=2)
+    return result
+
+
+def shade(transfer: ArrayLike, light: ArrayLike, *, albedo: ArrayLike | None = None) -> NDArray[np.float32]:
+    """The radiance that leaves every vertex under a light: albedo × Σ transfer × light.
+
+    Returns float32 [V, 3], linear Rec. 709, in the units of the light. A truncated light rings, so that small negative values are possible.
+
+    transfer  [V, C, n²], from `relume.bake` or `transfer` of `relume export`.
+    light     [m², 3], from `relume.light`. Of a higher order than the transfer it is cut off, of a lower one padded with zeros.
+    albedo    the receivers' own, linear, in 0…1: a number, three, or [V, 3]. None leaves it out: radiance for a white surface.
+
+    Raises ValueError, in one line that starts with the name of the argument.
+    """
+    vectors = _arguments.transfer(transfer)
+    radiance = _relume.shade(vectors, _arguments.coefficients(light))
+    if albedo is None:
+        return radiance
+    return radiance * _arguments.albedo(albedo, len(vectors))

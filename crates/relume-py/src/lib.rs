@@ -1,0 +1,42 @@
+//! `_relume`: the native half of the Python package `relume`, whose other half (`python/relume`) checks arguments and speaks to people.
+//!
+//! Arrays come contiguous, of the types named here, and are copied while the interpreter is held; the work runs without it.
+
+mod bake;
+mod failure;
+mod light;
+mod shade;
+mod work;
+
+use numpy::{Element, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+
+/// The module as Python loads it.
+#[pymodule]
+mod _relume {
+    #[pymodule_export]
+    use super::bake::bake;
+    #[pymodule_export]
+    use super::light::light;
+    #[pymodule_export]
+    use super::shade::shade;
+
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}
+
+/// Rows of three, in a vector of anything that three numbers make.
+fn rows<A: Element + Copy, T: From<[A; 3]>>(
+    argument: &str,
+    array: &PyReadonlyArray2<'_, A>,
+) -> PyResult<Vec<T>> {
+    let (rows, rest) = array.as_slice()?.as_chunks::<3>();
+    if array.shape()[1] != 3 || !rest.is_empty() {
+        return Err(failure::value(argument, "not rows of three"));
+    }
+    Ok(rows.iter().map(|&row| T::from(row)).collect())
+}
