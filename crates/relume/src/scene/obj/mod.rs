@@ -12,6 +12,7 @@ mod tests;
 
 use std::collections::BTreeMap;
 
+use super::decode::{Allowance, decode};
 use super::finish::{self, Repairs};
 use super::resolve::{Folder, Syntax};
 use super::{Material, Scene, SceneError, Texture};
@@ -87,7 +88,7 @@ fn materials(
     folder: &mut Folder,
     scene: &mut Scene,
 ) -> Result<(), SceneError> {
-    let mut textures = BTreeMap::new();
+    let mut textures = Textures::default();
     let mut unknown = Vec::new();
     let mut transparent = 0;
     // What has vertex colours has an albedo.
@@ -134,13 +135,21 @@ fn materials(
     Ok(())
 }
 
+/// Decoded textures by file and whether they are clamped.
+#[derive(Default)]
+struct Textures {
+    known: BTreeMap<(String, bool), Option<usize>>,
+    allowance: Allowance,
+}
+
 /// The texture of a material; one that is not there leaves the factor alone.
 fn texture(
     mtl: &MtlMaterial,
     folder: &mut Folder,
-    known: &mut BTreeMap<(String, bool), Option<usize>>,
+    textures: &mut Textures,
     scene: &mut Scene,
 ) -> Result<Option<usize>, SceneError> {
+    let Textures { known, allowance } = textures;
     let Some(map) = &mtl.texture else {
         return Ok(None);
     };
@@ -165,7 +174,7 @@ fn texture(
         }
         Err(error) => return Err(error),
     };
-    let decoded: Option<Texture> = super::decode::decode(&map.file, &bytes, map.sampler())?;
+    let decoded: Option<Texture> = decode(&map.file, &bytes, map.sampler(), allowance)?;
     if decoded.is_none() {
         scene.warnings.push(format!(
             "the texture \"{shown}\" was left out: this build reads no images"
