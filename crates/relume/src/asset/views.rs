@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
+/// The largest coefficient that is believed: no bake comes near it, and times the largest light it still fits f32.
+const MAX_COEFFICIENT: f32 = 1e8;
+
 /// The buffer views of a file. Each may be taken once, and none may overlap another that was taken: no file makes its reader
 /// allocate more than its own length.
 pub struct Views<'a> {
@@ -24,7 +27,7 @@ impl<'a> Views<'a> {
         }
     }
 
-    /// Appends `count` vectors of `stride` finite f32.
+    /// Appends `count` vectors of `stride` f32 of at most [`MAX_COEFFICIENT`].
     pub fn floats(
         &mut self,
         view: usize,
@@ -41,9 +44,10 @@ impl<'a> Views<'a> {
             .map(f32::from_le_bytes);
         let start = into.len();
         into.extend(values);
-        match into[start..].iter().position(|c| !c.is_finite()) {
+        let fits = |c: &f32| c.abs() <= MAX_COEFFICIENT;
+        match into[start..].iter().position(|c| !fits(c)) {
             Some(i) => Err(format!(
-                "has a coefficient that is not finite, for vertex {}",
+                "has a coefficient past {MAX_COEFFICIENT:e} or not finite, for vertex {}",
                 i / stride
             )),
             None => Ok(()),

@@ -80,3 +80,33 @@ pub(super) fn decode(
 ) -> Result<Option<Texture>, SceneError> {
     Ok(None)
 }
+
+#[cfg(test)]
+#[cfg(feature = "images")]
+mod tests {
+    use super::*;
+
+    fn png(width: u32, height: u32) -> Vec<u8> {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        image::GrayImage::new(width, height)
+            .write_to(&mut bytes, image::ImageFormat::Png)
+            .unwrap();
+        bytes.into_inner()
+    }
+
+    #[test]
+    fn the_textures_of_a_scene_share_one_allowance() {
+        let mut allowance = Allowance(40);
+        let mut decoded =
+            |width, height| decode("t", &png(width, height), Sampler::default(), &mut allowance);
+        assert!(decoded(4, 4).is_ok());
+        // 16 and 25 are 41; what was refused costs nothing.
+        let error = decoded(5, 5).unwrap_err().to_string();
+        assert!(
+            error.contains("5 × 5") && error.contains("reduce"),
+            "{error}"
+        );
+        assert!(decoded(6, 4).is_ok());
+        assert!(decoded(1, 1).is_err());
+    }
+}
