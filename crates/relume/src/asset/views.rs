@@ -44,12 +44,18 @@ impl<'a> Views<'a> {
             .map(f32::from_le_bytes);
         let start = into.len();
         into.extend(values);
-        let fits = |c: &f32| c.abs() <= MAX_COEFFICIENT;
-        match into[start..].iter().position(|c| !fits(c)) {
-            Some(i) => Err(format!(
-                "has a coefficient past {MAX_COEFFICIENT:e} or not finite, for vertex {}",
-                i / stride
-            )),
+        let wrong = |c: &f32| c.is_nan() || c.abs() > MAX_COEFFICIENT;
+        match into[start..].iter().position(wrong) {
+            Some(i) => {
+                let what = match into[start + i].is_finite() {
+                    true => "past 1e8",
+                    false => "that is not finite",
+                };
+                Err(format!(
+                    "has a coefficient {what}, for vertex {}",
+                    i / stride
+                ))
+            }
             None => Ok(()),
         }
     }

@@ -25,7 +25,7 @@ pub(super) use polygon::triangulate;
 pub(super) const DEFAULT_ALBEDO: f32 = 0.5;
 
 /// Reads an OBJ file, its MTL files and their base colour textures.
-pub(super) fn read(bytes: &[u8], folder: &mut Folder) -> Result<Scene, SceneError> {
+pub(super) fn read(bytes: &[u8], folder: &mut Folder<'_>) -> Result<Scene, SceneError> {
     let obj = parse::parse(bytes)?;
     let mut scene = Scene::default();
     let known = libraries(&obj, folder, &mut scene)?;
@@ -41,7 +41,7 @@ pub(super) fn read(bytes: &[u8], folder: &mut Folder) -> Result<Scene, SceneErro
 /// The materials of every library that is there; the first of a name counts.
 fn libraries(
     obj: &Obj,
-    folder: &mut Folder,
+    folder: &mut Folder<'_>,
     scene: &mut Scene,
 ) -> Result<BTreeMap<String, MtlMaterial>, SceneError> {
     let mut known = BTreeMap::new();
@@ -59,7 +59,7 @@ fn libraries(
 /// The files of a `mtllib` line: one name with spaces, or several without.
 fn open_libraries(
     line: &str,
-    folder: &mut Folder,
+    folder: &mut Folder<'_>,
     scene: &mut Scene,
 ) -> Result<Vec<(String, Vec<u8>)>, SceneError> {
     match folder.read(line, Syntax::Path) {
@@ -85,7 +85,7 @@ fn open_libraries(
 fn materials(
     obj: &Obj,
     known: &BTreeMap<String, MtlMaterial>,
-    folder: &mut Folder,
+    folder: &mut Folder<'_>,
     scene: &mut Scene,
 ) -> Result<(), SceneError> {
     let mut textures = Textures::default();
@@ -145,7 +145,7 @@ struct Textures {
 /// The texture of a material; one that is not there leaves the factor alone.
 fn texture(
     mtl: &MtlMaterial,
-    folder: &mut Folder,
+    folder: &mut Folder<'_>,
     textures: &mut Textures,
     scene: &mut Scene,
 ) -> Result<Option<usize>, SceneError> {
