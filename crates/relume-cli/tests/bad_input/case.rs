@@ -92,6 +92,9 @@ impl Case {
         let Some(corpus) = std::env::var_os("RELUME_CORPUS") else {
             return;
         };
+        if matches!(self.outcome, Outcome::Usage) {
+            return;
+        }
         for (file, content) in &self.files {
             let Content::Bytes(bytes) = content else {
                 continue;

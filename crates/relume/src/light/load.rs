@@ -28,7 +28,7 @@ pub struct LightOptions {
 
 /// Reads or makes the light that `spec` names, turned as the options say, with what a person should know about it.
 ///
-/// Files are known by their content: images ([`HdrImage::decode`]) and light.json ([`LightFile`]). Warnings are single lines.
+/// Files are known by their content: images ([`HdrImage::decode`](super::HdrImage::decode)) and light.json ([`LightFile`]). Warnings are single lines.
 pub fn load(
     spec: &EnvSpec,
     options: &LightOptions,
