@@ -311,6 +311,9 @@ fn files(made: &Made) -> Vec<Case> {
         );
         cases.push(case.with("a.glb", &good[..good.len() / 2]));
     }
+    // What all the others are damaged from: it, too, is a seed.
+    cases
+        .push(Case::new("a good asset", SHADE, Outcome::Tolerated("")).with("a.glb", good.clone()));
     let again = "bake a.glb -o out.glb --samples 16";
     cases.push(
         Case::new("a baked asset, baked again", again, Outcome::Tolerated(""))
