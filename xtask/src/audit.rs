@@ -1,12 +1,14 @@
 //! `cargo xtask audit`: what is worth checking now and then, not on every change.
 
 use std::collections::BTreeMap;
+use std::process::ExitCode;
 
 use crate::context::Context;
 use crate::need::Need;
-use crate::step::Step;
+use crate::options::Options;
+use crate::step::{self, Step};
 use crate::tally::Tally;
-use crate::{licence, process};
+use crate::{fuzz, licence, process};
 
 macro_rules! platform {
     ($name:literal, $target:literal) => {
@@ -26,7 +28,7 @@ macro_rules! platform {
     };
 }
 
-/// Platforms that are only compiled for, then the dependencies.
+/// Platforms that are only compiled for, then the dependencies, then the fuzzer.
 pub const STEPS: &[Step] = &[
     platform!("windows-msvc", "x86_64-pc-windows-msvc"),
     platform!("windows-gnu", "x86_64-pc-windows-gnu"),
@@ -38,7 +40,28 @@ pub const STEPS: &[Step] = &[
         needs: &[],
         run: licences,
     },
+    Step {
+        name: "fuzz",
+        what: "no input makes a reader panic, hang or break its word",
+        needs: &[Need::Tool {
+            cargo: "fuzz",
+            package: "cargo-fuzz",
+        }],
+        run: fuzz::run,
+    },
 ];
+
+/// Runs the steps asked for; what follows `--` is for the fuzzer.
+pub fn run(mut context: Context, mut options: Options) -> Result<ExitCode, String> {
+    let rest = std::mem::take(&mut options.rest);
+    if !rest.is_empty() {
+        if options.only != ["fuzz"] {
+            return Err("only `audit fuzz` takes arguments after --".to_owned());
+        }
+        context.fuzz_seconds = fuzz::seconds(&rest)?;
+    }
+    step::run_all(&context, STEPS, &options)
+}
 
 /// Every package that is linked or run on some platform, as `name vX.Y.Z` → licence expression.
 type Packages = BTreeMap<String, String>;

@@ -9,6 +9,8 @@ pub struct Context {
     pub root: PathBuf,
     /// The one target folder: `CARGO_TARGET_DIR`, or `target/` in the root.
     pub target: PathBuf,
+    /// How long each fuzz target runs.
+    pub fuzz_seconds: u32,
 }
 
 impl Context {
@@ -26,7 +28,11 @@ impl Context {
                 .map_err(|error| format!("CARGO_TARGET_DIR: {error}"))?,
             None => root.join("target"),
         };
-        Ok(Self { root, target })
+        Ok(Self {
+            root,
+            target,
+            fuzz_seconds: 60,
+        })
     }
 
     /// A program that runs in the root.

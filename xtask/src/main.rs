@@ -7,6 +7,7 @@ mod audit;
 mod bench;
 mod context;
 mod docs;
+mod fuzz;
 mod libtest;
 mod licence;
 mod need;
@@ -30,7 +31,8 @@ cargo xtask COMMAND [--setup] [--only NAME]... [--list]
 
 commands
   test          everything that must hold before a change lands; ends with `N passed, N failed, N skipped`
-  audit         other platforms and the licences of dependencies
+  audit         other platforms, the licences of dependencies, the readers under a fuzzer;
+                `audit fuzz -- --seconds N` says for how long each [default: 60]
   bench [NAME]  figures against other programs; `bench NAME -- ARGUMENTS` hands the arguments on
 
 options
@@ -64,7 +66,7 @@ fn run(arguments: &[String]) -> Result<ExitCode, String> {
     let context = Context::find()?;
     match command.as_str() {
         "test" => step::run_all(&context, test::STEPS, &options),
-        "audit" => step::run_all(&context, audit::STEPS, &options),
+        "audit" => audit::run(context, options),
         "bench" => bench::run(&context, &options),
         other => Err(format!(
             "there is no command {other:?}; there are test, audit and bench"

@@ -15,6 +15,13 @@ pub enum Need {
         /// As in `rustup component add rustfmt`.
         rustup: &'static str,
     },
+    /// A cargo command from a package of its own.
+    Tool {
+        /// As in `cargo fuzz`.
+        cargo: &'static str,
+        /// As in `cargo install cargo-fuzz`.
+        package: &'static str,
+    },
     /// The standard library of a compile target.
     Target(&'static str),
     /// A program on the path and the Debian packages it comes in.
@@ -92,7 +99,7 @@ impl Need {
     /// What it is, for people.
     pub fn name(&self) -> String {
         match self {
-            Self::Component { cargo, .. } => format!("cargo {cargo}"),
+            Self::Component { cargo, .. } | Self::Tool { cargo, .. } => format!("cargo {cargo}"),
             Self::Target(target) => format!("the target {target}"),
             Self::Program { name, .. } | Self::Library { name, .. } => (*name).to_owned(),
             Self::Python => "python3 with venv".to_owned(),
@@ -106,6 +113,7 @@ impl Need {
     pub fn install_line(&self) -> String {
         match self {
             Self::Component { rustup, .. } => format!("rustup component add {rustup}"),
+            Self::Tool { package, .. } => format!("cargo install {package}"),
             Self::Target(target) => format!("rustup target add {target}"),
             Self::Program { debian, .. } | Self::Library { debian, .. } => {
                 format!("apt-get install {debian}")
@@ -119,7 +127,7 @@ impl Need {
     /// Whether it is there.
     pub fn is_met(&self, context: &Context) -> bool {
         match self {
-            Self::Component { cargo, .. } => {
+            Self::Component { cargo, .. } | Self::Tool { cargo, .. } => {
                 process::quietly(context.cargo(cargo).arg("--version"))
             }
             Self::Target(target) => has_target(context, target),
@@ -150,6 +158,7 @@ impl Need {
             Self::Component {
                 rustup: component, ..
             } => rustup(["component", "add", component]),
+            Self::Tool { package, .. } => vec![context.cargo(&format!("install {package}"))],
             Self::Target(target) => rustup(["target", "add", target]),
             Self::Program { debian, .. } | Self::Library { debian, .. } => apt(context, debian),
             Self::Python => apt(context, "python3 python3-venv"),

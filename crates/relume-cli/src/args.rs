@@ -113,7 +113,7 @@ pub enum TransferArg {
 /// A light and what to do to it
 #[derive(Args)]
 pub struct LightArgs {
-    /// The light: an image (.hdr, .exr, .pfm, …), a light.json, constant:R,G,B, sun:X,Y,Z,DEG,R,G,B or sky:ELEVATION,TURBIDITY
+    /// The light: an image (.hdr, .exr, .dds, .pfm, …), six faces 'sky_{px,nx,py,ny,pz,nz}.hdr', a light.json, constant:R,G,B, sun:X,Y,Z,DEG,R,G,B or sky:ELEVATION,TURBIDITY
     #[arg(long = "light", value_name = "ENV")]
     pub env: EnvSpec,
     #[command(flatten)]
@@ -122,7 +122,7 @@ pub struct LightArgs {
 
 #[derive(Args)]
 pub struct LightChange {
-    /// How an image is wrapped around the scene: auto, latlong, angular, vcross, hcross
+    /// How an image is wrapped around the scene: auto, latlong, angular, vcross, hcross, faces
     #[arg(long, value_name = "LAYOUT", default_value = "auto")]
     pub layout: LayoutChoice,
     /// Turn the light about an axis, right-handed; can be given several times
@@ -139,9 +139,10 @@ pub struct LightChange {
 Examples:
   relume light studio.hdr -o light.json
   relume light cross.hdr -o light.json --layout vcross --order 7 --window auto
+  relume light 'cube_{px,nx,py,ny,pz,nz}.exr' -o light.json      quoted, or the shell takes it apart
   relume light sky:25,3 -o light.json --rotate 0,1,0:90")]
 pub struct LightFileArgs {
-    /// The light: an image, a light.json, constant:R,G,B, sun:X,Y,Z,DEG,R,G,B or sky:ELEVATION,TURBIDITY
+    /// The light: an image, six faces 'sky_{px,nx,py,ny,pz,nz}.hdr', a light.json, constant:R,G,B, sun:X,Y,Z,DEG,R,G,B or sky:ELEVATION,TURBIDITY
     pub env: EnvSpec,
     /// The light.json to write
     #[arg(short, long, value_name = "FILE")]

@@ -79,14 +79,6 @@ pub fn check_output(output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     }
 }
 
-/// The file a light comes from, if it does.
-pub fn light_path(env: &EnvSpec) -> Option<&Path> {
-    match env {
-        EnvSpec::File(path) => Some(path),
-        _ => None,
-    }
-}
-
 /// Refuses an output name that does not end as its content would.
 pub fn check_extension(output: &Path, accepted: &[&str]) -> Result<(), Failure> {
     let extension = output

@@ -1,16 +1,19 @@
 //! `relume light`
 
+use std::path::PathBuf;
+
 use relume::files::write_atomically;
 
 use crate::args::LightFileArgs;
 use crate::failure::Failure;
-use crate::inputs::{check_extension, check_output, light_path, open_environment, project, shown};
+use crate::inputs::{check_extension, check_output, open_environment, project, shown};
 
 pub fn run(args: &LightFileArgs) -> Result<(), Failure> {
     check_extension(&args.output, &["json"])?;
+    let files = args.env.paths();
     check_output(
         &args.output,
-        &light_path(&args.env).into_iter().collect::<Vec<_>>(),
+        &files.iter().map(PathBuf::as_path).collect::<Vec<_>>(),
     )?;
     let environment = open_environment(&args.env, &args.change)?;
     let text = project(&environment, args.order, &args.change)?.to_json();

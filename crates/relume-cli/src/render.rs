@@ -10,15 +10,16 @@ use relume::scene::World;
 
 use crate::args::{BackgroundArg, RenderArgs, SweepArg};
 use crate::failure::Failure;
-use crate::inputs::{self, check_extension, check_output, light_path, shown};
+use crate::inputs::{self, check_extension, check_output, shown};
 use crate::progress;
 use crate::view::{Background, View};
 
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     check_extension(&args.output, &["png", "exr"])?;
     let frames = frame_names(args)?;
-    let given = [Some(args.asset.as_path()), light_path(&args.light.env)];
-    let given: Vec<_> = given.into_iter().flatten().collect();
+    let files = args.light.env.paths();
+    let mut given = vec![args.asset.as_path()];
+    given.extend(files.iter().map(PathBuf::as_path));
     frames
         .iter()
         .try_for_each(|frame| check_output(frame, &given))?;

@@ -9,6 +9,9 @@ use serde_json::Value;
 use super::AssetError;
 use super::beside::Source;
 
+/// The largest coefficient that is believed: no bake comes near it, and times the largest light it still fits f32.
+const MAX_COEFFICIENT: f32 = 1e8;
+
 /// Where the arrays lie.
 pub enum Bytes<'a> {
     /// In the binary chunk, buffer 0.
@@ -53,7 +56,7 @@ impl<'a> Views<'a> {
         }
     }
 
-    /// Appends `count` vectors of `stride` finite f32.
+    /// Appends `count` vectors of `stride` f32 of at most [`MAX_COEFFICIENT`].
     pub fn floats(
         &mut self,
         view: usize,
@@ -68,11 +71,18 @@ impl<'a> Views<'a> {
             let values = bytes.as_chunks::<4>().0.iter().copied();
             into.extend(values.map(f32::from_le_bytes));
         })?;
-        match into[start..].iter().position(|c| !c.is_finite()) {
-            Some(i) => Err(format!(
-                "has a coefficient that is not finite, for vertex {}",
-                i / stride
-            )),
+        let wrong = |c: &f32| c.is_nan() || c.abs() > MAX_COEFFICIENT;
+        match into[start..].iter().position(wrong) {
+            Some(i) => {
+                let what = match into[start + i].is_finite() {
+                    true => "past 1e8",
+                    false => "that is not finite",
+                };
+                Err(format!(
+                    "has a coefficient {what}, for vertex {}",
+                    i / stride
+                ))
+            }
             None => Ok(()),
         }
     }

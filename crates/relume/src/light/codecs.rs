@@ -9,15 +9,14 @@ use image::codecs::hdr::HdrDecoder;
 
 use crate::files::printable;
 
+use super::decode::Decoded;
 use super::hdr_image::{HdrImage, ImageError, MAX_PIXELS, check_claim};
 
 /// Most bytes that the channels of one OpenEXR layer may take: many more than RGBA needs.
 const MAX_LAYER_BYTES: u64 = 1 << 33;
 
-type Decoded = Result<(HdrImage, Vec<String>), ImageError>;
-
 /// Radiance .hdr (RGBE).
-pub(super) fn hdr(bytes: &[u8]) -> Decoded {
+pub(super) fn hdr(bytes: &[u8]) -> Result<Decoded, ImageError> {
     let broken = |error: image::ImageError| broken("Radiance HDR", &error);
     // The magic has been seen; this form also accepts `#?RGBE`.
     let decoder = HdrDecoder::new_nonstrict(Cursor::new(bytes)).map_err(broken)?;
@@ -38,11 +37,14 @@ pub(super) fn hdr(bytes: &[u8]) -> Decoded {
             "its EXPOSURE of {exposure} is not divided out, as in most programs; scale the light if absolute radiance matters"
         ));
     }
-    Ok((HdrImage::new(width, height, pixels)?, warnings))
+    Ok(Decoded::new(
+        HdrImage::new(width, height, pixels)?,
+        warnings,
+    ))
 }
 
 /// OpenEXR: the first flat layer with channels R, G and B, laid out on its display window.
-pub(super) fn exr(bytes: &[u8]) -> Decoded {
+pub(super) fn exr(bytes: &[u8]) -> Result<Decoded, ImageError> {
     let broken = |error: exr::error::Error| broken("OpenEXR", &error);
     let reader = exr::block::read(Cursor::new(bytes), false).map_err(broken)?;
     let mut chosen = None;
@@ -67,7 +69,13 @@ pub(super) fn exr(bytes: &[u8]) -> Decoded {
     }
     let header = chosen.ok_or_else(|| refused("no flat layer has channels R, G and B"))?;
     let window = header.shared_attributes.display_window;
-    let offset = header.own_attributes.layer_position - window.position;
+    // Wider than the numbers in the file, whose difference may not fit them.
+    let wide = |v: exr::math::Vec2<i32>| (i64::from(v.x()), i64::from(v.y()));
+    let (layer, display) = (
+        wide(header.own_attributes.layer_position),
+        wide(window.position),
+    );
+    let offset = (layer.0 - display.0, layer.1 - display.1);
     let (width, height) = (window.size.width(), window.size.height());
     check_claim(width as u64, height as u64, bytes.len())?;
     let mut warnings = Vec::new();
@@ -83,10 +91,7 @@ pub(super) fn exr(bytes: &[u8]) -> Decoded {
         .rgb_channels(
             move |_, _| vec![[0.0_f32; 3]; width * height],
             move |pixels: &mut Vec<[f32; 3]>, place, (r, g, b): (f32, f32, f32)| {
-                let (x, y) = (
-                    place.x() as i64 + i64::from(offset.x()),
-                    place.y() as i64 + i64::from(offset.y()),
-                );
+                let (x, y) = (place.x() as i64 + offset.0, place.y() as i64 + offset.1);
                 if (0..width as i64).contains(&x) && (0..height as i64).contains(&y) {
                     pixels[y as usize * width + x as usize] = [r, g, b];
                 }
@@ -97,11 +102,18 @@ pub(super) fn exr(bytes: &[u8]) -> Decoded {
         .from_chunks(reader)
         .map_err(broken)?;
     let pixels = image.layer_data.channel_data.pixels;
-    Ok((HdrImage::new(width, height, pixels)?, warnings))
+    Ok(Decoded::new(
+        HdrImage::new(width, height, pixels)?,
+        warnings,
+    ))
 }
 
 /// PNG or JPEG, from sRGB; alpha is ignored.
-pub(super) fn eight_bit(bytes: &[u8], format: image::ImageFormat, name: &'static str) -> Decoded {
+pub(super) fn eight_bit(
+    bytes: &[u8],
+    format: image::ImageFormat,
+    name: &'static str,
+) -> Result<Decoded, ImageError> {
     let broken = |error: image::ImageError| broken(name, &error);
     let mut limits = image::Limits::no_limits();
     // RGBA of 16 bits, and as much again to work in.
@@ -121,14 +133,12 @@ pub(super) fn eight_bit(bytes: &[u8], format: image::ImageFormat, name: &'static
     let warning = format!(
         "{name} images are not HDR: their light ends at white; use .hdr, .exr or .pfm if you can"
     );
-    Ok((
-        HdrImage::new(width as usize, height as usize, pixels)?,
-        vec![warning],
-    ))
+    let image = HdrImage::new(width as usize, height as usize, pixels)?;
+    Ok(Decoded::new(image, vec![warning]))
 }
 
 /// [`linear_from_srgb`] of every value.
-static LINEAR_FROM_SRGB: LazyLock<Vec<f32>> =
+pub(super) static LINEAR_FROM_SRGB: LazyLock<Vec<f32>> =
     LazyLock::new(|| (0..=u16::MAX).map(linear_from_srgb).collect());
 
 /// IEC 61966-2-1, of a value out of 65535.
@@ -159,7 +169,7 @@ fn refused(problem: &str) -> ImageError {
 }
 
 /// A decoder's error on one printable line.
-fn broken(format: &'static str, error: &dyn std::error::Error) -> ImageError {
+pub(super) fn broken(format: &'static str, error: &dyn std::error::Error) -> ImageError {
     let text = error.to_string();
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
     ImageError::Broken {

@@ -1,4 +1,4 @@
-//! Cube maps unfolded into crosses.
+//! Cube maps unfolded into crosses, or cut into a row of faces.
 //!
 //! Face axes are those of Direct3D with z → −z, which makes the left-handed cube of that convention ours, with −Z in the middle
 //! of the cross. On a face, s runs to the right and t up, −1…1, in the picture of that face standing upright.
@@ -52,6 +52,20 @@ pub(super) static HORIZONTAL: Cross = Cross {
         (Face::NegY, 1, 2, false),
         (Face::Front, 1, 1, false),
         (Face::Back, 3, 1, false),
+    ],
+};
+
+/// Six in a row, in the order of Direct3D: +X, −X, +Y, −Y, +Z, −Z there, the last two of which are our −Z and +Z.
+pub(super) static ROW: Cross = Cross {
+    columns: 6,
+    rows: 1,
+    cells: [
+        (Face::PosX, 0, 0, false),
+        (Face::NegX, 1, 0, false),
+        (Face::PosY, 2, 0, false),
+        (Face::NegY, 3, 0, false),
+        (Face::Front, 4, 0, false),
+        (Face::Back, 5, 0, false),
     ],
 };
 

@@ -1,31 +1,58 @@
 //! Image files to radiance, by their first bytes, never by their name.
 
 use super::hdr_image::{HdrImage, ImageError};
+use super::layout::Layout;
 use super::pfm;
 
+/// An image, and what its file says of it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Decoded {
+    pub(super) image: HdrImage,
+    /// How it is wrapped, where the file itself says so: a cube map.
+    pub(super) layout: Option<Layout>,
+    /// What a person should know, one line each.
+    pub(super) warnings: Vec<String>,
+}
+
+impl Decoded {
+    pub(super) fn new(image: HdrImage, warnings: Vec<String>) -> Self {
+        Self {
+            image,
+            layout: None,
+            warnings,
+        }
+    }
+}
+
 impl HdrImage {
-    /// Reads an .hdr, .exr, .pfm, .png or .jpg file from memory, and what a person should know about it.
+    /// Reads an .hdr, .exr, .dds, .pfm, .png or .jpg file from memory, and what a person should know about it.
     ///
+    /// The faces of a DDS cube map come side by side, as [`Layout::Faces`] has them; of what is smaller the top level alone is read.
     /// Sizes are checked against [`MAX_PIXELS`](super::MAX_PIXELS) and the length of the file before anything is allocated.
     /// PNG and JPEG are decoded from sRGB, with a warning: they hold no light brighter than white. Without the feature `images`
     /// only PFM is read.
     pub fn decode(bytes: &[u8]) -> Result<(Self, Vec<String>), ImageError> {
-        let (image, mut warnings) = match Format::of(bytes) {
-            Some(Format::Pfm) => pfm::read(bytes)?,
-            Some(Format::Dds) => return Err(ImageError::Unsupported("DDS")),
-            Some(Format::Tiff) => return Err(ImageError::Unsupported("TIFF")),
-            Some(format) => coded(bytes, format)?,
-            None => return Err(ImageError::Unknown),
-        };
-        if image.clamped() > 0 {
-            warnings.push(format!(
-                "{} of {} pixels had negative radiance, which was set to 0",
-                image.clamped(),
-                image.pixels().len()
-            ));
-        }
-        Ok((image, warnings))
+        decode(bytes).map(|decoded| (decoded.image, decoded.warnings))
     }
+}
+
+/// [`HdrImage::decode`], and the layout where the file says it.
+pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, ImageError> {
+    let mut decoded = match Format::of(bytes) {
+        Some(Format::Pfm) => pfm::read(bytes)?,
+        Some(Format::Tiff) => return Err(ImageError::Unsupported("TIFF")),
+        Some(format) => coded(bytes, format)?,
+        None => return Err(ImageError::Unknown),
+    };
+    let image = &decoded.image;
+    if image.clamped() > 0 {
+        decoded.warnings.push(format!(
+            "{} of {} pixels had negative radiance, which was set to 0",
+            image.clamped(),
+            image.pixels().len()
+        ));
+    }
+    Ok(decoded)
 }
 
 /// What the first bytes of a file say it is.
@@ -77,19 +104,20 @@ impl Format {
 }
 
 #[cfg(not(feature = "images"))]
-fn coded(_: &[u8], format: Format) -> Result<(HdrImage, Vec<String>), ImageError> {
+fn coded(_: &[u8], format: Format) -> Result<Decoded, ImageError> {
     Err(ImageError::NotBuilt(format.name()))
 }
 
 #[cfg(feature = "images")]
-fn coded(bytes: &[u8], format: Format) -> Result<(HdrImage, Vec<String>), ImageError> {
-    use super::codecs;
+fn coded(bytes: &[u8], format: Format) -> Result<Decoded, ImageError> {
+    use super::{codecs, dds};
     match format {
         Format::Hdr => codecs::hdr(bytes),
         Format::Exr => codecs::exr(bytes),
         Format::Png => codecs::eight_bit(bytes, image::ImageFormat::Png, format.name()),
         Format::Jpeg => codecs::eight_bit(bytes, image::ImageFormat::Jpeg, format.name()),
-        Format::Pfm | Format::Dds | Format::Tiff => Err(ImageError::Unsupported(format.name())),
+        Format::Dds => dds::read(bytes),
+        Format::Pfm | Format::Tiff => Err(ImageError::Unsupported(format.name())),
     }
 }
 
@@ -105,8 +133,9 @@ mod tests {
         assert_eq!(HdrImage::decode(b""), Err(ImageError::Unknown));
         assert_eq!(HdrImage::decode(b"hello"), Err(ImageError::Unknown));
         assert_eq!(
-            HdrImage::decode(b"DDS |"),
-            Err(ImageError::Unsupported("DDS"))
+            HdrImage::decode(b"II*\0"),
+            Err(ImageError::Unsupported("TIFF"))
         );
+        assert!(HdrImage::decode(b"DDS |").is_err());
     }
 }

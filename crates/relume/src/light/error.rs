@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use crate::files::printable;
 
+use super::faces::FaceError;
 use super::hdr_image::ImageError;
 use super::json::LightJsonError;
 use super::layout::LayoutError;
@@ -17,7 +18,7 @@ pub enum LightError {
     Spec(#[from] SpecError),
     /// The file could not be read at all.
     #[error(
-        "{}: {source}; a light is an image, a light.json, or constant:R,G,B, sun:X,Y,Z,DEG,R,G,B, sky:ELEVATION,TURBIDITY",
+        "{}: {source}; a light is an image, six faces {{px,nx,py,ny,pz,nz}}, a light.json, or constant:R,G,B, sun:X,Y,Z,DEG,R,G,B, sky:ELEVATION,TURBIDITY",
         printable(path)
     )]
     Read {
@@ -54,6 +55,14 @@ pub enum LightError {
         path: String,
         /// What is wrong with it.
         error: ImageError,
+    },
+    /// A face of a cube does not go with the others.
+    #[error("{}: {error}", printable(path))]
+    Face {
+        /// The path of the face.
+        path: String,
+        /// What is wrong with it.
+        error: FaceError,
     },
     /// The image does not fit its layout.
     #[error("{}: {error}", printable(path))]

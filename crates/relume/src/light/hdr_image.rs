@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use super::values::MAX_RADIANCE;
+
 /// The most pixels an image may have: 2²⁷, 1.5 GiB of radiance.
 pub const MAX_PIXELS: u64 = 1 << 27;
 
@@ -9,7 +11,7 @@ pub const MAX_PIXELS: u64 = 1 << 27;
 #[cfg(feature = "images")]
 const MAX_PIXELS_PER_BYTE: u64 = 1 << 14;
 
-/// Linear Rec. 709 radiance, row by row from the top left, every value finite and not negative.
+/// Linear Rec. 709 radiance, row by row from the top left, every value in 0…[`MAX_RADIANCE`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct HdrImage {
     width: usize,
@@ -23,7 +25,7 @@ pub struct HdrImage {
 #[non_exhaustive]
 pub enum ImageError {
     /// None of the formats that are read.
-    #[error("not an image Relume reads; use .hdr, .exr, .pfm, .png or .jpg")]
+    #[error("not an image Relume reads; use .hdr, .exr, .dds, .pfm, .png or .jpg")]
     Unknown,
     /// A format known by its first bytes, but not read.
     #[error("{0} images are not read; convert it to .exr or .hdr")]
@@ -39,6 +41,9 @@ pub enum ImageError {
         /// In the decoder's words, printable.
         problem: String,
     },
+    /// A DDS file of a kind that is not read.
+    #[error("DDS image: {0}")]
+    Dds(String),
     /// No pixels.
     #[error("the image is {width} × {height} pixels; it needs at least one")]
     Empty {
@@ -87,12 +92,22 @@ pub enum ImageError {
         /// Row, from the top.
         y: usize,
     },
+    /// Radiance whose sums would not fit f32.
+    #[error(
+        "pixel ({x}, {y}), counted from the top left, is brighter than the {MAX_RADIANCE:e} that Relume computes with; scale the image down"
+    )]
+    TooBright {
+        /// Column, from the left.
+        x: usize,
+        /// Row, from the top.
+        y: usize,
+    },
 }
 
 impl HdrImage {
     /// An image from `width · height` pixels, top row first.
     ///
-    /// NaN and infinite values are refused, with their place. Negative values (which resampling filters and out-of-gamut colours
+    /// NaN, infinite values and those above [`MAX_RADIANCE`] are refused, with their place. Negative values (which resampling filters and out-of-gamut colours
     /// leave behind; there is no negative light) become 0 and are counted in [`HdrImage::clamped`].
     pub fn new(width: usize, height: usize, mut pixels: Vec<[f32; 3]>) -> Result<Self, ImageError> {
         check_size(width as u64, height as u64)?;
@@ -107,6 +122,12 @@ impl HdrImage {
         for (i, pixel) in pixels.iter_mut().enumerate() {
             if !pixel.iter().all(|value| value.is_finite()) {
                 return Err(ImageError::NotFinite {
+                    x: i % width,
+                    y: i / width,
+                });
+            }
+            if pixel.iter().any(|&value| value > MAX_RADIANCE) {
+                return Err(ImageError::TooBright {
                     x: i % width,
                     y: i / width,
                 });

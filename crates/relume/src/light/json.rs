@@ -9,10 +9,14 @@ use crate::basis::{Convention, Order, Window, WindowError};
 use crate::files::printable;
 
 use super::incident::ShLight;
+use super::values::MAX_RADIANCE;
 use super::window::WindowChoice;
 
 /// The longest text that is read; order 32 takes a hundredth of it.
 const MAX_BYTES: usize = 1 << 23;
+
+/// The largest coefficient: √4π of the largest radiance, and room for what turning adds.
+const MAX_COEFFICIENT: f32 = 100.0 * MAX_RADIANCE;
 
 /// A light and what its file says of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +57,7 @@ pub enum LightJsonError {
     },
     /// A coefficient is not three finite numbers.
     #[error(
-        "coefficient {index} (counted from 0) is not [r, g, b], three finite numbers that f32 can hold"
+        "coefficient {index} (counted from 0) is not [r, g, b], three finite numbers of at most {MAX_COEFFICIENT:e}; write it again"
     )]
     Coefficient {
         /// Which.
@@ -139,6 +143,10 @@ impl LightFile {
         }
         let ours = convention.from_rgb(&coefficients);
         let ours = ours.map_err(|error| LightJsonError::Syntax(error.to_string()))?;
+        let fits = |rgb: &[f32; 3]| rgb.iter().all(|value| value.abs() <= MAX_COEFFICIENT);
+        if let Some(index) = ours.iter().position(|rgb| !fits(rgb)) {
+            return Err(LightJsonError::Coefficient { index });
+        }
         Ok(Self {
             light: ShLight::new(order, ours),
             window,

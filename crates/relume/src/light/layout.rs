@@ -28,12 +28,15 @@ pub enum Layout {
     VCross,
     /// Cube cross, four wide and three high: +Y above −Z; −X, −Z, +X, +Z; −Y below −Z.
     HCross,
+    /// The six faces of a cube map side by side, as Direct3D orders and turns them (px, nx, py, ny, pz, nz), with z → −z: +X, −X, +Y, −Y,
+    /// −Z, +Z.
+    Faces,
 }
 
 /// A layout, or the one that the shape of the picture suggests.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LayoutChoice {
-    /// 2:1 is lat-long, 1:1 an angular map, 3:4 a vertical cross, 4:3 a horizontal cross.
+    /// 2:1 is lat-long, 1:1 an angular map, 3:4 a vertical cross, 4:3 a horizontal cross, 6:1 the faces of a cube.
     #[default]
     Auto,
     /// This one.
@@ -45,11 +48,11 @@ pub enum LayoutChoice {
 #[non_exhaustive]
 pub enum LayoutError {
     /// No layout has that name.
-    #[error("layout \"{}\" is unknown; use auto, latlong, angular, vcross or hcross", printable(.0))]
+    #[error("layout \"{}\" is unknown; use auto, latlong, angular, vcross, hcross or faces", printable(.0))]
     Unknown(String),
     /// No layout has that shape.
     #[error(
-        "{width} × {height} pixels suggest no layout (2:1 latlong, 1:1 angular, 3:4 vcross, 4:3 hcross); name it with --layout or crop the image"
+        "{width} × {height} pixels suggest no layout (2:1 latlong, 1:1 angular, 3:4 vcross, 4:3 hcross, 6:1 faces); name it with --layout or crop the image"
     )]
     NoGuess {
         /// Pixels across.
@@ -71,11 +74,20 @@ pub enum LayoutError {
         /// Pixels down.
         height: usize,
     },
+    /// A cube map has its own.
+    #[error("it is a cube map, which is not wrapped as {0}; leave --layout out")]
+    Cube(Layout),
 }
 
 impl Layout {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::LatLong, Self::Angular, Self::VCross, Self::HCross];
+    pub const ALL: [Self; 5] = [
+        Self::LatLong,
+        Self::Angular,
+        Self::VCross,
+        Self::HCross,
+        Self::Faces,
+    ];
 
     /// The name, as on the command line.
     pub fn name(self) -> &'static str {
@@ -84,6 +96,7 @@ impl Layout {
             Self::Angular => "angular",
             Self::VCross => "vcross",
             Self::HCross => "hcross",
+            Self::Faces => "faces",
         }
     }
 
@@ -94,6 +107,7 @@ impl Layout {
             (1, 1, Self::Angular),
             (3, 4, Self::VCross),
             (4, 3, Self::HCross),
+            (6, 1, Self::Faces),
         ]
         .into_iter()
         .find(|&(across, down, _)| {
@@ -113,6 +127,7 @@ impl Layout {
             Self::Angular => "a square",
             Self::VCross => "3 × 4 equal squares",
             Self::HCross => "4 × 3 equal squares",
+            Self::Faces => "6 equal squares in a row",
         };
         match Self::guess(width, height) {
             Ok(layout) if layout == self => Ok(()),
@@ -135,6 +150,7 @@ impl Layout {
             }
             Self::VCross => cross::VERTICAL.direction(u, v),
             Self::HCross => cross::HORIZONTAL.direction(u, v),
+            Self::Faces => cross::ROW.direction(u, v),
         }
     }
 
@@ -159,20 +175,30 @@ impl Layout {
             }
             Self::VCross => cross::VERTICAL.place(d),
             Self::HCross => cross::HORIZONTAL.place(d),
+            Self::Faces => cross::ROW.place(d),
         }
     }
 
-    /// The cross of a cross layout.
+    /// Where the faces of a cube lie, for layouts that show one.
     pub(super) fn cross(self) -> Option<&'static cross::Cross> {
         match self {
             Self::VCross => Some(&cross::VERTICAL),
             Self::HCross => Some(&cross::HORIZONTAL),
+            Self::Faces => Some(&cross::ROW),
             Self::LatLong | Self::Angular => None,
         }
     }
 }
 
 impl LayoutChoice {
+    /// The layout of a picture whose file says that it is `known`; any other choice is an error.
+    pub(super) fn agree(self, known: Layout) -> Result<Layout, LayoutError> {
+        match self {
+            Self::Fixed(layout) if layout != known => Err(LayoutError::Cube(layout)),
+            _ => Ok(known),
+        }
+    }
+
     /// The layout of a picture of this size; an error when none fits.
     pub fn resolve(self, width: usize, height: usize) -> Result<Layout, LayoutError> {
         match self {

@@ -158,3 +158,26 @@ fn names_go_both_ways() {
     assert_eq!(LayoutChoice::Auto.to_string(), "auto");
     assert!("mercator".parse::<LayoutChoice>().is_err());
 }
+
+/// By hand. Direct3D's cube is left-handed: u to the right and v down on a face, the point (x, y, z) it shows is, for px (1, −v, −u),
+/// nx (−1, −v, u), py (u, 1, v), ny (u, −1, −v), pz (u, −v, 1), nz (−u, −v, −1). Turning z over makes it our right-handed one. Taken three
+/// quarters across and three quarters down each face, u = v = 1/2.
+#[test]
+fn the_faces_of_direct3d_are_seen_from_inside_with_z_turned_over() {
+    let n = 1.5_f64.sqrt();
+    for (face, [x, y, z]) in [
+        [1.0, -0.5, -0.5],
+        [-1.0, -0.5, 0.5],
+        [0.5, 1.0, 0.5],
+        [0.5, -1.0, -0.5],
+        [0.5, -0.5, 1.0],
+        [-0.5, -0.5, -1.0],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let u = (face as f64 + 0.75) / 6.0;
+        close(Layout::Faces, u, 0.75, [x / n, y / n, -z / n]);
+    }
+    assert_eq!(Layout::guess(384, 64), Ok(Layout::Faces));
+}

@@ -6,11 +6,12 @@ use std::path::Path;
 
 use crate::files::printable;
 
+use super::decode::decode;
 use super::environment::Environment;
 use super::error::LightError;
-use super::hdr_image::HdrImage;
+use super::faces::{FacePattern, Problem, Row};
 use super::json::LightFile;
-use super::layout::LayoutChoice;
+use super::layout::{Layout, LayoutChoice};
 use super::map::EnvMap;
 use super::spec::EnvSpec;
 use super::turn::Turn;
@@ -27,13 +28,14 @@ pub struct LightOptions {
 
 /// Reads or makes the light that `spec` names, turned as the options say, with what a person should know about it.
 ///
-/// Files are known by their content: images ([`HdrImage::decode`]) and light.json ([`LightFile`]). Warnings are single lines.
+/// Files are known by their content: images ([`HdrImage::decode`](super::HdrImage::decode)) and light.json ([`LightFile`]). Warnings are single lines.
 pub fn load(
     spec: &EnvSpec,
     options: &LightOptions,
 ) -> Result<(Environment, Vec<String>), LightError> {
     let (environment, warnings) = match spec {
         EnvSpec::File(path) => load_file(path, options.layout)?,
+        EnvSpec::Faces(pattern) => load_faces(pattern, options.layout)?,
         EnvSpec::Constant(radiance) => (Environment::Constant(*radiance), Vec::new()),
         EnvSpec::Sun(sun) => (Environment::Sun(*sun), Vec::new()),
         EnvSpec::Sky(sky) => (Environment::Sky(sky.clone()), Vec::new()),
@@ -57,17 +59,58 @@ fn load_file(path: &Path, layout: LayoutChoice) -> Result<(Environment, Vec<Stri
             LightFile::from_json(text).map_err(|error| LightError::Json { path: name, error })?;
         return Ok((Environment::Sh(file.light), Vec::new()));
     }
-    let (image, warnings) = HdrImage::decode(&bytes).map_err(|error| LightError::Image {
+    let decoded = decode(&bytes).map_err(|error| LightError::Image {
         path: name.clone(),
         error,
     })?;
-    let warnings = warnings
-        .into_iter()
-        .map(|warning| format!("{}: {warning}", printable(&name)))
-        .collect();
-    let map =
-        EnvMap::new(image, layout).map_err(|error| LightError::Layout { path: name, error })?;
+    let warnings = said_of(&name, decoded.warnings);
+    let layout = match decoded.layout {
+        None => Ok(layout),
+        Some(known) => layout.agree(known).map(LayoutChoice::Fixed),
+    };
+    let map = layout.and_then(|layout| EnvMap::new(decoded.image, layout));
+    let map = map.map_err(|error| LightError::Layout { path: name, error })?;
     Ok((Environment::Map(map), warnings))
+}
+
+fn load_faces(
+    pattern: &FacePattern,
+    layout: LayoutChoice,
+) -> Result<(Environment, Vec<String>), LightError> {
+    let mut row = Row::default();
+    let mut warnings = Vec::new();
+    for (index, path) in pattern.paths().iter().enumerate() {
+        let name = path.display().to_string();
+        let bytes = read_file(path, &name)?;
+        let said = row
+            .add(index, &bytes, &name)
+            .map_err(|problem| match problem {
+                Problem::Image(error) => LightError::Image {
+                    path: name.clone(),
+                    error,
+                },
+                Problem::Face(error) => LightError::Face {
+                    path: name.clone(),
+                    error,
+                },
+            })?;
+        warnings.extend(said_of(&name, said));
+    }
+    let path = pattern.to_string();
+    let image = row.finish().map_err(|error| LightError::Image {
+        path: path.clone(),
+        error,
+    })?;
+    let layout = layout.agree(Layout::Faces).map(LayoutChoice::Fixed);
+    let map = layout.and_then(|layout| EnvMap::new(image, layout));
+    let map = map.map_err(|error| LightError::Layout { path, error })?;
+    Ok((Environment::Map(map), warnings))
+}
+
+/// Warnings with the name of their file.
+fn said_of(name: &str, warnings: Vec<String>) -> Vec<String> {
+    let said = |warning| format!("{}: {warning}", printable(name));
+    warnings.into_iter().map(said).collect()
 }
 
 fn read_file(path: &Path, name: &str) -> Result<Vec<u8>, LightError> {

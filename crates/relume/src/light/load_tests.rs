@@ -111,3 +111,45 @@ fn negative_pixels_are_warned_about_with_the_name() {
     let light = environment.project(Order::new(1).unwrap());
     assert_eq!(light, ShLight::new(Order::new(1).unwrap(), vec![[0.0; 3]]));
 }
+
+#[test]
+fn six_files_are_a_cube_and_what_does_not_go_with_them_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    for (i, face) in ["px", "nx", "py", "ny", "pz", "nz"].iter().enumerate() {
+        std::fs::write(path(&format!("sky_{face}.pfm")), pfm(4, 4, i as f32)).unwrap();
+    }
+    let pattern = path("sky_{px,nx,py,ny,pz,nz}.pfm");
+    let spec: EnvSpec = pattern.to_str().unwrap().parse().unwrap();
+    let load_it = |layout| {
+        load(
+            &spec,
+            &LightOptions {
+                layout,
+                turns: Vec::new(),
+            },
+        )
+    };
+    let (environment, _) = load_it(LayoutChoice::Auto).unwrap();
+    // pz is −Z, nz is +Z.
+    assert_eq!(environment.radiance(glam::Vec3::Y), [2.0; 3]);
+    assert_eq!(environment.radiance(glam::Vec3::NEG_Z), [4.0; 3]);
+    assert_eq!(environment.radiance(glam::Vec3::Z), [5.0; 3]);
+    let wrapped = load_it(Layout::LatLong.into()).unwrap_err().to_string();
+    assert!(wrapped.contains("leave --layout out"), "{wrapped}");
+    for (bytes, part) in [
+        (pfm(4, 2, 0.0), "squares"),
+        (pfm(2, 2, 0.0), "sky_px.pfm is 4"),
+        (b"text".to_vec(), "not an image"),
+    ] {
+        std::fs::write(path("sky_ny.pfm"), bytes).unwrap();
+        let error = load_it(LayoutChoice::Auto).unwrap_err().to_string();
+        assert!(
+            error.contains("sky_ny.pfm: ") && error.contains(part),
+            "{error}"
+        );
+    }
+    std::fs::remove_file(path("sky_ny.pfm")).unwrap();
+    let error = load_it(LayoutChoice::Auto).unwrap_err().to_string();
+    assert!(error.contains("sky_ny.pfm: "), "{error}");
+}

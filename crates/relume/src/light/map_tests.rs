@@ -18,7 +18,7 @@ fn spot(layout: Layout, [width, height]: [usize; 2], [x, y]: [usize; 2]) -> EnvM
     map(layout, width, height, pixels)
 }
 
-const SIZES: [(Layout, usize, usize); 10] = [
+const SIZES: [(Layout, usize, usize); 12] = [
     (Layout::LatLong, 64, 32),
     (Layout::LatLong, 7, 5),
     (Layout::LatLong, 1, 1),
@@ -29,6 +29,8 @@ const SIZES: [(Layout, usize, usize); 10] = [
     (Layout::VCross, 3, 4),
     (Layout::HCross, 64, 48),
     (Layout::HCross, 4, 3),
+    (Layout::Faces, 96, 16),
+    (Layout::Faces, 6, 1),
 ];
 
 #[test]
@@ -96,6 +98,7 @@ fn degree_one(map: &EnvMap) -> DVec3 {
 /// - angular 15 × 15: the middle pixel shows −Z.
 /// - vertical cross 9 × 12 (faces of 3 × 3): the middle of each face: top +Y, left −X, middle −Z, right +X, below −Y, lowest +Z.
 /// - horizontal cross 12 × 9: the same, and the rightmost is +Z.
+/// - faces 18 × 3: the fifth square is Direct3D's +Z, our −Z; the last is +Z.
 #[test]
 fn one_bright_pixel_shines_from_where_it_is() {
     let cases = [
@@ -117,6 +120,8 @@ fn one_bright_pixel_shines_from_where_it_is() {
         (spot(Layout::HCross, [12, 9], [7, 4]), DVec3::X),
         (spot(Layout::HCross, [12, 9], [10, 4]), DVec3::Z),
         (spot(Layout::HCross, [12, 9], [4, 7]), DVec3::NEG_Y),
+        (spot(Layout::Faces, [18, 3], [13, 1]), DVec3::NEG_Z),
+        (spot(Layout::Faces, [18, 3], [16, 1]), DVec3::Z),
     ];
     for (map, expected) in cases {
         let got = degree_one(&map);
@@ -275,6 +280,7 @@ fn projection_has_the_same_bits_on_any_number_of_threads() {
             Layout::Angular => (40, 40),
             Layout::VCross => (30, 40),
             Layout::HCross => (40, 30),
+            Layout::Faces => (60, 10),
         };
         let pixels = (0..width * height)
             .map(|i| {

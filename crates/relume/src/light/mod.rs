@@ -10,9 +10,12 @@
 #[cfg(feature = "images")]
 mod codecs;
 mod cross;
+#[cfg(feature = "images")]
+mod dds;
 mod decode;
 mod environment;
 mod error;
+mod faces;
 mod hdr_image;
 mod incident;
 mod json;
@@ -34,6 +37,7 @@ mod window;
 
 pub use environment::{Environment, Rotated};
 pub use error::{LightError, SpecError};
+pub use faces::{FaceError, FacePattern};
 pub use hdr_image::{HdrImage, ImageError, MAX_PIXELS};
 pub use incident::{IncidentLight, ShLight};
 pub use json::{LightFile, LightJsonError};
@@ -44,5 +48,5 @@ pub use sky::{SKY_UNIT, Sky};
 pub use spec::EnvSpec;
 pub use sun::Sun;
 pub use turn::Turn;
-pub use values::MAX_FILE_BYTES;
+pub use values::{MAX_FILE_BYTES, MAX_RADIANCE};
 pub use window::WindowChoice;

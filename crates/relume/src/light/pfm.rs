@@ -1,5 +1,6 @@
 //! Portable float maps: `PF` (RGB) or `Pf` (grey), width, height, scale; then f32 rows from the bottom up.
 
+use super::decode::Decoded;
 use super::hdr_image::{HdrImage, ImageError, check_size};
 
 /// Longest a header line is believed to be.
@@ -8,7 +9,7 @@ const MAX_TOKEN: usize = 32;
 /// Reads a portable float map; a negative scale means little endian.
 ///
 /// Like most programs, this does not multiply by the magnitude of the scale; a magnitude other than 1 is a warning.
-pub(super) fn read(bytes: &[u8]) -> Result<(HdrImage, Vec<String>), ImageError> {
+pub(super) fn read(bytes: &[u8]) -> Result<Decoded, ImageError> {
     let mut rest = bytes;
     let channels = match token(&mut rest)? {
         "PF" => 3,
@@ -56,7 +57,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<(HdrImage, Vec<String>), ImageError> 
             scale.abs()
         ));
     }
-    Ok((HdrImage::new(width, height, pixels)?, warnings))
+    Ok(Decoded::new(
+        HdrImage::new(width, height, pixels)?,
+        warnings,
+    ))
 }
 
 /// The next word of the header; takes exactly one white-space byte after it.
@@ -104,7 +108,9 @@ mod tests {
             file("PF\n1 2\n-1.0\n", numbers.map(f32::to_le_bytes)),
             file("PF\n1 2\n1.0\n", numbers.map(f32::to_be_bytes)),
         ] {
-            let (image, warnings) = read(&bytes).unwrap();
+            let Decoded {
+                image, warnings, ..
+            } = read(&bytes).unwrap();
             assert_eq!((image.width(), image.height()), (1, 2));
             assert_eq!(image.pixels(), expected);
             assert!(warnings.is_empty());
@@ -116,7 +122,9 @@ mod tests {
         // The first byte of data looks like white space: only one byte after the scale is a separator.
         let number = f32::from_le_bytes([b'\n', b' ', 0x80, 0x3f]);
         let bytes = file("Pf 2 1 -2.5\n", [number, 0.5].map(f32::to_le_bytes));
-        let (image, warnings) = read(&bytes).unwrap();
+        let Decoded {
+            image, warnings, ..
+        } = read(&bytes).unwrap();
         assert_eq!(image.pixels(), [[number; 3], [0.5; 3]]);
         assert_eq!(warnings.len(), 1);
         assert!(warnings[0].contains("2.5"), "{}", warnings[0]);

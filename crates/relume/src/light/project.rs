@@ -22,7 +22,7 @@ pub(super) type Sums = Vec<[f64; 3]>;
 pub(super) fn project(map: &EnvMap, order: Order) -> Sums {
     match map.layout() {
         Layout::LatLong => latlong(map, order),
-        Layout::Angular | Layout::VCross | Layout::HCross => by_texels(map, order),
+        Layout::Angular | Layout::VCross | Layout::HCross | Layout::Faces => by_texels(map, order),
     }
 }
 

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use glam::DVec3;
 
 use super::error::SpecError;
+use super::faces::FacePattern;
 use super::sky::Sky;
 use super::sun::Sun;
 use super::values::{checked_radiance, numbers};
@@ -16,6 +17,8 @@ use super::values::{checked_radiance, numbers};
 pub enum EnvSpec {
     /// An image or a light.json.
     File(PathBuf),
+    /// Six images, the faces of a cube.
+    Faces(FacePattern),
     /// The same radiance from everywhere, linear Rec. 709.
     Constant([f32; 3]),
     /// A disc.
@@ -24,7 +27,19 @@ pub enum EnvSpec {
     Sky(Box<Sky>),
 }
 
-/// `constant:R,G,B`, `sun:X,Y,Z,DEG,R,G,B` (DEG is the diameter of the disc), `sky:ELEVATION,TURBIDITY`; all else is a path.
+impl EnvSpec {
+    /// The files it is read from.
+    pub fn paths(&self) -> Vec<PathBuf> {
+        match self {
+            Self::File(path) => vec![path.clone()],
+            Self::Faces(pattern) => pattern.paths().into(),
+            Self::Constant(_) | Self::Sun(_) | Self::Sky(_) => Vec::new(),
+        }
+    }
+}
+
+/// `constant:R,G,B`, `sun:X,Y,Z,DEG,R,G,B` (DEG is the diameter of the disc), `sky:ELEVATION,TURBIDITY`; a path with
+/// `{px,nx,py,ny,pz,nz}` in it is six files ([`FacePattern`]); all else is a path.
 impl FromStr for EnvSpec {
     type Err = SpecError;
 
@@ -57,6 +72,9 @@ impl FromStr for EnvSpec {
             _ if text.is_empty() => Err(wrong(
                 "a path, constant:R,G,B, sun:X,Y,Z,DEG,R,G,B or sky:ELEVATION,TURBIDITY",
             )),
+            _ if FacePattern::is_meant(text) => text.parse().map(Self::Faces).map_err(|()| {
+                wrong("sky_{px,nx,py,ny,pz,nz}.hdr, a path with one list of six different names in it")
+            }),
             _ => Ok(Self::File(PathBuf::from(text))),
         }
     }
@@ -74,6 +92,11 @@ mod tests {
     fn every_form_is_read() {
         assert_eq!(parse("a/b.hdr"), Ok(EnvSpec::File("a/b.hdr".into())));
         assert_eq!(parse("C:\\b.hdr"), Ok(EnvSpec::File("C:\\b.hdr".into())));
+        assert_eq!(parse("{0}.hdr"), Ok(EnvSpec::File("{0}.hdr".into())));
+        let faces = parse("a/{px,nx,py,ny,pz,nz}.exr").unwrap();
+        let names =
+            ["px", "nx", "py", "ny", "pz", "nz"].map(|n| PathBuf::from(format!("a/{n}.exr")));
+        assert_eq!(faces.paths(), names);
         assert_eq!(
             parse("constant:1,0.5, 2e-1"),
             Ok(EnvSpec::Constant([1.0, 0.5, 0.2]))
@@ -107,6 +130,9 @@ mod tests {
             ("sky:nan,3", "0…90"),
             ("", "path"),
             ("sun:\n", "\\n"),
+            ("sky_{px,nx}.hdr", "six different names"),
+            ("sky_{a,b,c,d,e,a}.hdr", "six different names"),
+            ("{a,b,c,d,e,f}{g}.hdr", "six different names"),
         ] {
             let message = parse(text).unwrap_err().to_string();
             assert!(message.contains(needle), "{text}: {message}");

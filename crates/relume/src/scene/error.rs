@@ -17,7 +17,7 @@ pub enum SceneError {
         problem: Box<SceneError>,
     },
     /// The operating system refused.
-    #[error("cannot read {name}: {source}")]
+    #[error("cannot read {name}: {source}; see whether it is there and may be read")]
     Io {
         /// The file, escaped.
         name: String,
@@ -35,7 +35,7 @@ pub enum SceneError {
         limit: u64,
     },
     /// A folder, a device, a pipe.
-    #[error("{name} is not a regular file")]
+    #[error("{name} is not a regular file; name a file")]
     NotAFile {
         /// The file, escaped.
         name: String,
@@ -138,8 +138,20 @@ pub enum SceneError {
         /// The limit.
         limit: u64,
     },
+    /// A mesh that stands too far out, or is too large, for the products of its coordinates to fit f32.
+    #[error(
+        "mesh \"{mesh}\" reaches {reach:.1e} from the origin along an axis, farther than the {MAX_COORDINATE:.0e} that Relume computes with; scale the scene down"
+    )]
+    TooFar {
+        /// Name of the mesh, escaped.
+        mesh: String,
+        /// The largest coordinate, in the space of the scene's root.
+        reach: f64,
+    },
     /// No triangle in the whole scene.
-    #[error("has no triangles, so there is nothing to bake")]
+    #[error(
+        "has no triangles, so there is nothing to bake; export a mesh with faces that have an area"
+    )]
     Empty,
     /// An albedo outside 0…1.
     #[error("albedo {0:?} is outside 0…1; give three linear reflectances in that range")]
@@ -165,6 +177,8 @@ pub enum SceneError {
 
 /// Most vertices over all instances: their transfer vectors at order 5 take 13 GB.
 pub(crate) const MAX_VERTICES: u64 = 1 << 27;
+/// Largest coordinate in the space of the scene's root: the product of three still fits f32, in which rays are traced.
+pub(crate) const MAX_COORDINATE: f64 = 1e12;
 /// Most triangles over all instances.
 pub(crate) const MAX_TRIANGLES: u64 = 1 << 28;
 

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::error::check_totals;
+use super::error::{MAX_COORDINATE, check_totals};
 use super::{AlphaMode, Mesh, Scene, SceneError, normals};
 use crate::files::printable;
 
@@ -11,6 +11,7 @@ use crate::files::printable;
 pub(super) struct Repairs {
     degenerate: usize,
     normals: usize,
+    uvs: usize,
     clamped: bool,
 }
 
@@ -22,6 +23,10 @@ impl Repairs {
         check_vertices(mesh)?;
         check_indices(mesh)?;
         self.clamp_colors(mesh);
+        for uv in mesh.uvs.iter_mut().filter(|uv| !uv.is_finite()) {
+            *uv = glam::Vec2::ZERO;
+            self.uvs += 1;
+        }
         let positions = &mesh.positions;
         for group in &mut mesh.groups {
             let before = group.triangles.len();
@@ -57,6 +62,7 @@ impl Repairs {
         if scene.triangle_count() == 0 {
             return Err(SceneError::Empty);
         }
+        check_reach(scene)?;
         if self.degenerate > 0 {
             scene.warnings.push(format!(
                 "{} triangles without area were left out",
@@ -67,6 +73,12 @@ impl Repairs {
             scene.warnings.push(format!(
                 "{} vertices have no usable normal; angle-weighted ones were computed",
                 self.normals
+            ));
+        }
+        if self.uvs > 0 {
+            scene.warnings.push(format!(
+                "{} texture coordinates are not finite numbers; 0 is used",
+                self.uvs
             ));
         }
         if self.clamped {
@@ -109,6 +121,35 @@ fn check_vertices(mesh: &Mesh) -> Result<(), SceneError> {
         colors.map(|&c| Vec3::from(c)).position(|c| !c.is_finite()),
     )?;
     bad("alpha", mesh.alphas.iter().position(|a| !a.is_finite()))
+}
+
+/// Refuses meshes that stand farther out than rays can be traced, by the corners of their boxes.
+fn check_reach(scene: &Scene) -> Result<(), SceneError> {
+    let boxes: Vec<(Vec3, Vec3)> = scene
+        .meshes
+        .iter()
+        .map(|mesh| {
+            let first = mesh.positions.first().copied().unwrap_or_default();
+            let positions = mesh.positions.iter();
+            positions.fold((first, first), |(low, high), &p| (low.min(p), high.max(p)))
+        })
+        .collect();
+    for instance in &scene.instances {
+        let (low, high) = boxes[instance.mesh];
+        for corner in 0..8 {
+            let pick = |axis: usize| if corner >> axis & 1 == 0 { low } else { high }[axis];
+            let corner = Vec3::new(pick(0), pick(1), pick(2)).as_dvec3();
+            let placed = instance.world_from_object.transform_point3(corner).abs();
+            let reach = placed.max_element();
+            if !(placed.is_finite() && reach <= MAX_COORDINATE) {
+                return Err(SceneError::TooFar {
+                    mesh: printable(&scene.meshes[instance.mesh].name),
+                    reach,
+                });
+            }
+        }
+    }
+    Ok(())
 }
 
 fn check_indices(mesh: &Mesh) -> Result<(), SceneError> {

@@ -1,5 +1,6 @@
 //! Reading a scene file of any format.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::resolve::{Folder, Syntax};
@@ -13,12 +14,16 @@ pub struct ImportOptions {
     pub albedo: Option<[f32; 3]>,
 }
 
-/// A format by its file name.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Format {
+/// A format scenes come in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SceneFormat {
+    /// glTF 2.0 as JSON with files beside it.
     Gltf,
+    /// glTF 2.0 in one binary file.
     Glb,
+    /// Wavefront OBJ, with MTL files beside it.
     Obj,
+    /// PLY, ASCII or binary.
     Ply,
 }
 
@@ -36,16 +41,39 @@ pub fn load(path: &Path, options: &ImportOptions) -> Result<Scene, SceneError> {
     read(path, options).map_err(|error| error.within(printable(&path.to_string_lossy())))
 }
 
+/// [`load`] from memory: `files` are the ones that the scene may refer to, by their relative paths with `/` between folders.
+///
+/// # Errors
+///
+/// As for [`load`], but no message starts with a path.
+pub fn from_bytes(
+    bytes: &[u8],
+    format: SceneFormat,
+    files: &BTreeMap<String, Vec<u8>>,
+    options: &ImportOptions,
+) -> Result<Scene, SceneError> {
+    assemble(bytes, format, Folder::in_memory(bytes, files), options)
+}
+
 fn read(path: &Path, options: &ImportOptions) -> Result<Scene, SceneError> {
     let format = format_of(path)?;
-    let (mut folder, bytes) = Folder::open(path)?;
-    check_content(format, &bytes)?;
+    let (folder, bytes) = Folder::open(path)?;
+    assemble(&bytes, format, folder, options)
+}
+
+fn assemble(
+    bytes: &[u8],
+    format: SceneFormat,
+    mut folder: Folder<'_>,
+    options: &ImportOptions,
+) -> Result<Scene, SceneError> {
+    check_content(format, bytes)?;
     let mut fetch = |uri: &str| folder.read(uri, Syntax::Uri);
     let mut scene = match format {
-        Format::Gltf => gltf::read_gltf(&bytes, &mut fetch)?,
-        Format::Glb => gltf::read_glb(&bytes, &mut fetch)?,
-        Format::Obj => obj::read(&bytes, &mut folder)?,
-        Format::Ply => ply::read(&bytes)?,
+        SceneFormat::Gltf => gltf::read_gltf(bytes, &mut fetch)?,
+        SceneFormat::Glb => gltf::read_glb(bytes, &mut fetch)?,
+        SceneFormat::Obj => obj::read(bytes, &mut folder)?,
+        SceneFormat::Ply => ply::read(bytes)?,
     };
     scene.source_hash = folder.hash();
     if let Some(albedo) = options.albedo {
@@ -54,15 +82,15 @@ fn read(path: &Path, options: &ImportOptions) -> Result<Scene, SceneError> {
     Ok(scene)
 }
 
-fn format_of(path: &Path) -> Result<Format, SceneError> {
+fn format_of(path: &Path) -> Result<SceneFormat, SceneError> {
     let extension = path
         .extension()
         .map(|e| e.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {
-        Some("gltf") => Ok(Format::Gltf),
-        Some("glb") => Ok(Format::Glb),
-        Some("obj") => Ok(Format::Obj),
-        Some("ply") => Ok(Format::Ply),
+        Some("gltf") => Ok(SceneFormat::Gltf),
+        Some("glb") => Ok(SceneFormat::Glb),
+        Some("obj") => Ok(SceneFormat::Obj),
+        Some("ply") => Ok(SceneFormat::Ply),
         Some(other) => Err(SceneError::Format {
             found: format!("the extension .{} is not one of a scene", printable(other)),
         }),
@@ -73,7 +101,7 @@ fn format_of(path: &Path) -> Result<Format, SceneError> {
 }
 
 /// Refuses content that cannot be what the name says.
-fn check_content(format: Format, bytes: &[u8]) -> Result<(), SceneError> {
+fn check_content(format: SceneFormat, bytes: &[u8]) -> Result<(), SceneError> {
     let text = bytes
         .strip_prefix(b"\xef\xbb\xbf")
         .unwrap_or(bytes)
@@ -83,10 +111,10 @@ fn check_content(format: Format, bytes: &[u8]) -> Result<(), SceneError> {
     let is_json = text.starts_with(b"{");
     let is_binary = bytes[..bytes.len().min(4096)].contains(&0);
     let fits = match format {
-        Format::Gltf => is_json,
-        Format::Glb => is_glb,
-        Format::Ply => is_ply,
-        Format::Obj => !(is_ply || is_glb || is_json || is_binary),
+        SceneFormat::Gltf => is_json,
+        SceneFormat::Glb => is_glb,
+        SceneFormat::Ply => is_ply,
+        SceneFormat::Obj => !(is_ply || is_glb || is_json || is_binary),
     };
     if fits {
         return Ok(());
@@ -100,10 +128,10 @@ fn check_content(format: Format, bytes: &[u8]) -> Result<(), SceneError> {
         () => "the content is text of another format",
     };
     let name = match format {
-        Format::Gltf => ".gltf",
-        Format::Glb => ".glb",
-        Format::Obj => ".obj",
-        Format::Ply => ".ply",
+        SceneFormat::Gltf => ".gltf",
+        SceneFormat::Glb => ".glb",
+        SceneFormat::Obj => ".obj",
+        SceneFormat::Ply => ".ply",
     };
     Err(SceneError::Format {
         found: format!("the name ends in {name}, but {content}"),

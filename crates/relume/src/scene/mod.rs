@@ -29,7 +29,7 @@ mod world;
 pub use error::SceneError;
 pub use finish::override_albedo;
 #[cfg(feature = "import")]
-pub use load::{ImportOptions, load};
+pub use load::{ImportOptions, SceneFormat, from_bytes, load};
 pub use material::{AlphaMode, Material, Sampler, Texture, Wrap, srgb_to_linear};
 pub use mesh::{Group, Instance, Mesh};
 pub use tessellate::{TOO_COARSE, auto_max_edge, coarseness, tessellate};

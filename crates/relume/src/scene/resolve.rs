@@ -1,5 +1,6 @@
 //! Files a scene file refers to: only regular ones inside its own folder.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -22,12 +23,28 @@ pub(super) enum Syntax {
 }
 
 /// The folder of a scene file, and the hash over everything read from it.
-pub(super) struct Folder {
-    root: PathBuf,
+pub(super) struct Folder<'a> {
+    place: Place<'a>,
     hasher: Sha256,
 }
 
-impl Folder {
+/// Where files are.
+enum Place<'a> {
+    /// In this folder, whose path is real.
+    Disk(PathBuf),
+    /// In memory, by their relative paths.
+    Memory(&'a BTreeMap<String, Vec<u8>>),
+}
+
+impl<'a> Folder<'a> {
+    /// Files in memory beside the scene file `bytes`.
+    pub(super) fn in_memory(bytes: &[u8], files: &'a BTreeMap<String, Vec<u8>>) -> Self {
+        Self {
+            place: Place::Memory(files),
+            hasher: Sha256::new_with_prefix(bytes),
+        }
+    }
+
     /// Reads the scene file itself; what it refers to is looked for beside it.
     pub(super) fn open(scene: &Path) -> Result<(Self, Vec<u8>), SceneError> {
         let parent = match scene.parent() {
@@ -41,13 +58,13 @@ impl Folder {
         })?;
         let mut hasher = Sha256::new();
         hasher.update(&bytes);
-        Ok((Self { root, hasher }, bytes))
+        let place = Place::Disk(root);
+        Ok((Self { place, hasher }, bytes))
     }
 
     /// Reads a file the scene refers to and adds it to the hash.
     pub(super) fn read(&mut self, reference: &str, syntax: Syntax) -> Result<Vec<u8>, SceneError> {
-        let path = self.resolve(reference, syntax)?;
-        let bytes = read_regular(&path, &quoted(reference))?;
+        let bytes = self.resolve(reference, syntax)?;
         self.hasher.update(&bytes);
         Ok(bytes)
     }
@@ -58,7 +75,7 @@ impl Folder {
         digest.iter().map(|byte| format!("{byte:02x}")).collect()
     }
 
-    fn resolve(&self, reference: &str, syntax: Syntax) -> Result<PathBuf, SceneError> {
+    fn resolve(&self, reference: &str, syntax: Syntax) -> Result<Vec<u8>, SceneError> {
         match syntax {
             Syntax::Uri => {
                 if has_scheme(reference) {
@@ -79,18 +96,26 @@ impl Folder {
         }
     }
 
-    /// The real path of a relative one, once it is sure to lie inside the folder.
-    fn locate(&self, reference: &str, relative: &str) -> Result<PathBuf, SceneError> {
+    /// The file at a relative path, once it is sure to lie inside the folder.
+    fn locate(&self, reference: &str, relative: &str) -> Result<Vec<u8>, SceneError> {
         check_relative(relative).map_err(|why| refused(reference, why))?;
-        let path = self.root.join(relative);
-        let real = path.canonicalize().map_err(|source| SceneError::Io {
+        let io = |source| SceneError::Io {
             name: quoted(reference),
             source,
-        })?;
-        if !real.starts_with(&self.root) {
-            return Err(refused(reference, "leads out of the scene's folder"));
+        };
+        match &self.place {
+            Place::Disk(root) => {
+                let real = root.join(relative).canonicalize().map_err(io)?;
+                if !real.starts_with(root) {
+                    return Err(refused(reference, "leads out of the scene's folder"));
+                }
+                read_regular(&real, &quoted(reference))
+            }
+            Place::Memory(files) => {
+                let missing = || io(std::io::ErrorKind::NotFound.into());
+                files.get(relative).cloned().ok_or_else(missing)
+            }
         }
-        Ok(real)
     }
 }
 
@@ -201,7 +226,7 @@ fn read_regular(path: &Path, name: &str) -> Result<Vec<u8>, SceneError> {
 mod tests {
     use super::*;
 
-    fn scene_folder() -> (tempfile::TempDir, Folder) {
+    fn scene_folder() -> (tempfile::TempDir, Folder<'static>) {
         let outer = tempfile::tempdir().unwrap();
         std::fs::write(outer.path().join("secret.bin"), b"secret").unwrap();
         let inner = outer.path().join("scene");

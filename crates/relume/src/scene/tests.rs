@@ -285,8 +285,29 @@ fn a_scene_without_triangles_has_nothing_to_bake() {
     ] {
         let message = error(folder.path(), name, content.as_bytes());
         assert!(
-            message.ends_with("has no triangles, so there is nothing to bake"),
+            message.contains("has no triangles, so there is nothing to bake"),
             "{message}"
         );
     }
+}
+
+#[test]
+fn a_scene_in_memory_is_the_scene_on_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let obj = "mtllib sub/a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
+    let mtl = "newmtl m\nKd 0.25 0.5 1\nmap_Kd gone.png\n";
+    std::fs::create_dir(folder.path().join("sub")).unwrap();
+    std::fs::write(folder.path().join("sub/a.mtl"), mtl).unwrap();
+    std::fs::write(folder.path().join("a.obj"), obj).unwrap();
+    let options = ImportOptions::default();
+    let disk = load(&folder.path().join("a.obj"), &options).unwrap();
+    let mut files = std::collections::BTreeMap::new();
+    let read = |files: &_| from_bytes(obj.as_bytes(), SceneFormat::Obj, files, &options).unwrap();
+    assert_eq!(read(&files).materials[0].base_color[0], 0.5);
+    files.insert("sub/a.mtl".to_owned(), mtl.into());
+    let memory = read(&files);
+    assert_eq!(memory.materials[0].base_color, [0.25, 0.5, 1.0, 1.0]);
+    assert_eq!(memory.source_hash, disk.source_hash);
+    assert_eq!(memory.warnings, disk.warnings);
+    assert_eq!(memory.meshes[0].positions, disk.meshes[0].positions);
 }

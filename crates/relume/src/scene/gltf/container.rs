@@ -25,13 +25,15 @@ pub(super) fn split(bytes: &[u8]) -> Result<Glb, SceneError> {
     };
     let bad = |problem: String| SceneError::gltf("GLB container", problem);
     if !bytes.starts_with(b"glTF") {
-        return Err(bad("does not start with \"glTF\"".to_owned()));
+        return Err(bad("does not start with \"glTF\"; re-export".to_owned()));
     }
     let (Some(version), Some(length)) = (word(4), word(8)) else {
         return Err(bad("ends within its header; copy the file again".to_owned()));
     };
     if version != 2 {
-        return Err(bad(format!("has version {version}; Relume reads 2")));
+        return Err(bad(format!(
+            "has version {version}; Relume reads 2; re-export"
+        )));
     }
     let length = length as usize;
     if length > bytes.len() || length < 12 {
@@ -64,7 +66,9 @@ pub(super) fn split(bytes: &[u8]) -> Result<Glb, SceneError> {
         let chunk = &bytes[start..end];
         match (index, kind) {
             (0, JSON) => glb.json = parse(without_padding(chunk))?,
-            (0, _) => return Err(bad("its first chunk is not JSON".to_owned())),
+            (0, _) => {
+                return Err(bad("its first chunk is not JSON; re-export".to_owned()));
+            }
             (1, BIN) => glb.bin = Some(chunk.to_vec()),
             _ => glb.ignored_chunks += 1,
         }
@@ -73,7 +77,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<Glb, SceneError> {
         index += 1;
     }
     if index == 0 {
-        return Err(bad("has no JSON chunk".to_owned()));
+        return Err(bad("has no JSON chunk; re-export".to_owned()));
     }
     Ok(glb)
 }
@@ -89,10 +93,12 @@ fn without_padding(mut chunk: &[u8]) -> &[u8] {
 /// Parses a glTF JSON text, with or without a byte-order mark.
 pub(super) fn parse(text: &[u8]) -> Result<Value, SceneError> {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
-    let json: Value = serde_json::from_slice(text)
-        .map_err(|error| SceneError::gltf("glTF JSON", printable(&error.to_string())))?;
+    let json: Value = serde_json::from_slice(text).map_err(|error| {
+        let problem = printable(&error.to_string());
+        SceneError::gltf("glTF JSON", problem + "; re-export")
+    })?;
     if !json.is_object() {
-        return Err(SceneError::gltf("glTF JSON", "is not an object"));
+        return Err(SceneError::gltf("glTF JSON", "is not an object; re-export"));
     }
     Ok(json)
 }

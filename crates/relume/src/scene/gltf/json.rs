@@ -279,7 +279,10 @@ fn check_version(json: &Value) -> Result<(), SceneError> {
             let found = minimum.or(version).unwrap_or("none");
             Err(SceneError::gltf(
                 "asset",
-                format!("glTF version is {}; Relume reads 2.0", printable(found)),
+                format!(
+                    "glTF version is {}; Relume reads 2.0; export that",
+                    printable(found)
+                ),
             ))
         }
     }

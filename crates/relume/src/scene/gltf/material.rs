@@ -161,6 +161,7 @@ fn plain<'a>(
 struct Textures {
     known: BTreeMap<(usize, [bool; 1], [u8; 2]), Option<usize>>,
     dropped: usize,
+    allowance: decode::Allowance,
 }
 
 impl Textures {
@@ -195,7 +196,8 @@ impl Textures {
             .buffer_view
             .ok_or_else(|| SceneError::gltf(&place, "has neither uri nor bufferView; re-export"))?;
         let name = json.name.as_deref().unwrap_or(&place);
-        let decoded = decode::decode(name, data.view(view, &place)?, sampler)?;
+        let bytes = data.view(view, &place)?;
+        let decoded = decode::decode(name, bytes, sampler, &mut self.allowance)?;
         self.dropped += usize::from(decoded.is_none());
         let index = decoded.map(|texture| {
             scene.textures.push(texture);

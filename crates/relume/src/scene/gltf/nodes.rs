@@ -5,6 +5,9 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use super::super::SceneError;
 use super::json::{Node, Root, get};
 
+/// Largest number in the matrix of a transform: products of three still fit f64.
+const MAX_SCALE: f64 = 1e100;
+
 /// A node with a mesh, in depth-first order.
 pub(super) struct Placed {
     pub(super) node: usize,
@@ -26,8 +29,9 @@ pub(super) fn walk(root: &Root) -> Result<(Vec<Placed>, usize), SceneError> {
     while let Some((index, above)) = pending.pop() {
         let node = &root.nodes[index];
         let world = above * local(node);
-        if !world.is_finite() {
-            let problem = "its transform is not finite; re-export";
+        let columns = world.matrix3.to_cols_array();
+        if !world.is_finite() || columns.iter().any(|x| x.abs() > MAX_SCALE) {
+            let problem = "its transform is not finite, or scales past 1e100; re-export";
             return Err(SceneError::gltf(format!("nodes[{index}]"), problem));
         }
         if let Some(mesh) = node.mesh {

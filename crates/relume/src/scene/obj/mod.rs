@@ -12,6 +12,7 @@ mod tests;
 
 use std::collections::BTreeMap;
 
+use super::decode::{Allowance, decode};
 use super::finish::{self, Repairs};
 use super::resolve::{Folder, Syntax};
 use super::{Material, Scene, SceneError, Texture};
@@ -24,7 +25,7 @@ pub(super) use polygon::triangulate;
 pub(super) const DEFAULT_ALBEDO: f32 = 0.5;
 
 /// Reads an OBJ file, its MTL files and their base colour textures.
-pub(super) fn read(bytes: &[u8], folder: &mut Folder) -> Result<Scene, SceneError> {
+pub(super) fn read(bytes: &[u8], folder: &mut Folder<'_>) -> Result<Scene, SceneError> {
     let obj = parse::parse(bytes)?;
     let mut scene = Scene::default();
     let known = libraries(&obj, folder, &mut scene)?;
@@ -40,7 +41,7 @@ pub(super) fn read(bytes: &[u8], folder: &mut Folder) -> Result<Scene, SceneErro
 /// The materials of every library that is there; the first of a name counts.
 fn libraries(
     obj: &Obj,
-    folder: &mut Folder,
+    folder: &mut Folder<'_>,
     scene: &mut Scene,
 ) -> Result<BTreeMap<String, MtlMaterial>, SceneError> {
     let mut known = BTreeMap::new();
@@ -58,7 +59,7 @@ fn libraries(
 /// The files of a `mtllib` line: one name with spaces, or several without.
 fn open_libraries(
     line: &str,
-    folder: &mut Folder,
+    folder: &mut Folder<'_>,
     scene: &mut Scene,
 ) -> Result<Vec<(String, Vec<u8>)>, SceneError> {
     match folder.read(line, Syntax::Path) {
@@ -84,10 +85,10 @@ fn open_libraries(
 fn materials(
     obj: &Obj,
     known: &BTreeMap<String, MtlMaterial>,
-    folder: &mut Folder,
+    folder: &mut Folder<'_>,
     scene: &mut Scene,
 ) -> Result<(), SceneError> {
-    let mut textures = BTreeMap::new();
+    let mut textures = Textures::default();
     let mut unknown = Vec::new();
     let mut transparent = 0;
     // What has vertex colours has an albedo.
@@ -134,13 +135,21 @@ fn materials(
     Ok(())
 }
 
+/// Decoded textures by file and whether they are clamped.
+#[derive(Default)]
+struct Textures {
+    known: BTreeMap<(String, bool), Option<usize>>,
+    allowance: Allowance,
+}
+
 /// The texture of a material; one that is not there leaves the factor alone.
 fn texture(
     mtl: &MtlMaterial,
-    folder: &mut Folder,
-    known: &mut BTreeMap<(String, bool), Option<usize>>,
+    folder: &mut Folder<'_>,
+    textures: &mut Textures,
     scene: &mut Scene,
 ) -> Result<Option<usize>, SceneError> {
+    let Textures { known, allowance } = textures;
     let Some(map) = &mtl.texture else {
         return Ok(None);
     };
@@ -165,7 +174,7 @@ fn texture(
         }
         Err(error) => return Err(error),
     };
-    let decoded: Option<Texture> = super::decode::decode(&map.file, &bytes, map.sampler())?;
+    let decoded: Option<Texture> = decode(&map.file, &bytes, map.sampler(), allowance)?;
     if decoded.is_none() {
         scene.warnings.push(format!(
             "the texture \"{shown}\" was left out: this build reads no images"

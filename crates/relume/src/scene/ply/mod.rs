@@ -71,9 +71,10 @@ fn problem(error: &ply_rs_bw::parser::ParseError) -> SceneError {
 /// Refuses counts that the file cannot hold, before anything is allocated for them.
 fn check_counts(header: &Header, payload: u64) -> Result<(), SceneError> {
     let has_position = header.elements.get("vertex").is_some_and(|vertex| {
-        ["x", "y", "z"]
-            .iter()
-            .all(|&axis| vertex.properties.contains_key(axis))
+        ["x", "y", "z"].iter().all(|&axis| {
+            let property = vertex.properties.get(axis);
+            property.is_some_and(|p| matches!(p.data_type, PropertyType::Scalar(_)))
+        })
     });
     if !has_position {
         let problem = "has no element \"vertex\" with x, y and z; export a mesh".to_owned();
