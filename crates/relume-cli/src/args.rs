@@ -5,10 +5,11 @@ mod parse;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use relume::bake::Engine;
 use relume::basis::Order;
 use relume::light::{EnvSpec, LayoutChoice, Turn, WindowChoice};
 
-pub use parse::{Exposure, MaxEdge};
+pub use parse::{Exposure, MaxEdge, Samples};
 
 /// Precomputed radiance transfer: bake how light moves through a scene once, then relight it.
 #[derive(Parser)]
@@ -64,6 +65,8 @@ Examples:
   relume bake model.obj -o baked.glb
   relume bake room.glb -o baked.glb --bounces 3 --max-edge auto   split the large faces of a room first
   relume bake scan.ply -o baked.glb --samples 4096 --order 7 --albedo 0.6,0.5,0.4
+  relume bake scan.ply -o baked.glb --error 0.005                 as many rays as half a percent takes
+  relume bake city.glb -o baked.glb --bounces 2 --resume          go on after Ctrl-C or a crash
 
 The asset is a .glb that any glTF viewer opens; the transfer is in it as an extension.")]
 pub struct BakeArgs {
@@ -75,9 +78,12 @@ pub struct BakeArgs {
     /// Order of the light it will answer to, 1…32: n² coefficients, n − 1 the highest degree
     #[arg(long, value_name = "N", default_value = "5", value_parser = parse::order)]
     pub order: Order,
-    /// Rays per vertex; the error falls about as their number rises
-    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = parse::samples)]
-    pub samples: u32,
+    /// Rays per vertex, or `auto`: as many as an error of 0.01 takes [default: 1024; with --error at most 65536]
+    #[arg(long, value_name = "N|auto", value_parser = parse::samples_or_auto)]
+    pub samples: Option<Samples>,
+    /// Stop at a vertex when its own estimate of the relative error of its direct light is this small
+    #[arg(long, value_name = "E", value_parser = parse::error)]
+    pub error: Option<f64>,
     /// Interreflections; 0 is shadowed direct light
     #[arg(long, value_name = "K", default_value_t = 0, value_parser = parse::bounces)]
     pub bounces: u32,
@@ -88,7 +94,7 @@ pub struct BakeArgs {
     #[arg(long, value_name = "R,G,B", value_parser = parse::albedo)]
     pub albedo: Option<[f32; 3]>,
     /// Leave shadows out: the closed form of the clamped cosine
-    #[arg(long, conflicts_with_all = ["bounces", "samples"])]
+    #[arg(long, conflicts_with_all = ["bounces", "samples", "error", "tracer"])]
     pub no_shadows: bool,
     /// Split edges longer than this (in the scene's units), or `auto`
     #[arg(long, value_name = "LENGTH|auto", value_parser = parse::max_edge)]
@@ -99,6 +105,12 @@ pub struct BakeArgs {
     /// Threads to work with [default: one per core]; the result does not depend on it
     #[arg(long, value_name = "N", value_parser = parse::threads)]
     pub threads: Option<usize>,
+    /// What casts the rays: auto, an instruction set (portable, avx2, avx512; the same bytes), embree or embree:/absolute/path
+    #[arg(long, value_name = "NAME", default_value = "auto")]
+    pub tracer: Engine,
+    /// Take up an interrupted bake from the folder FILE.partial, if it is there
+    #[arg(long)]
+    pub resume: bool,
     /// Print a summary as JSON on stdout (docs/json.md)
     #[arg(long)]
     pub json: bool,

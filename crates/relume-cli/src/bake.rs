@@ -1,19 +1,21 @@
 //! `relume bake`
 
-use std::path::Path;
+mod room;
+
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use relume::asset::{self, Asset, Transfer};
-use relume::bake::{self, BakeOptions, Monitor};
+use relume::asset::{self, Asset};
+use relume::bake::checkpoint::{Checkpoint, Fingerprint};
+use relume::bake::{self, BakeOptions, Baked, Monitor};
 use relume::scene::{self, ImportOptions, Scene, World};
-use sysinfo::{Disks, System};
 
-use crate::args::{BakeArgs, MaxEdge};
+use crate::args::{BakeArgs, MaxEdge, Samples};
 use crate::failure::Failure;
 use crate::inputs::{check_extension, check_output, shown, warn};
-use crate::json;
 use crate::progress::{self, bytes, grouped};
+use crate::{interrupt, json};
 
 pub fn run(args: &BakeArgs) -> Result<(), Failure> {
     check_extension(&args.output, &["glb"])?;
@@ -30,27 +32,106 @@ pub fn run(args: &BakeArgs) -> Result<(), Failure> {
         .for_each(|warning| warn(&format!("{}: {warning}", shown(&args.scene))));
     let scene = tessellated(scene, args)?;
     let world = World::new(&scene);
-    let options = BakeOptions {
-        order: args.order,
-        samples: args.samples,
-        bounces: args.bounces,
-        shadows: !args.no_shadows,
-        seed: args.seed,
-        threads: args.threads,
-    };
+    let options = options(args);
     options.check(&world)?;
-    check_room(&scene, &world, &options, &args.output)?;
+    let fingerprint = fingerprint(&world, &scene, &options);
+    if args.resume && is_finished(args, &fingerprint) {
+        eprintln!("{} is this bake, finished", shown(&args.output));
+        return Ok(());
+    }
+    let room = room::check(&scene, &world, &options, &args.output)?;
+    let options = BakeOptions {
+        operator_bytes: room,
+        ..options
+    };
+    let checkpoint = Checkpoint::open(&partial(&args.output), &fingerprint, args.resume)?;
+    interrupt::promise("go on with the same command and --resume");
     let start = Instant::now();
-    let transfer = bake_with_bar(&world, &options)?;
+    let mut baked = bake_with_bar(&world, &options, Some(&checkpoint))?;
     let seconds = start.elapsed().as_secs_f64();
-    let asset = Asset { scene, transfer };
+    baked.transfer.made.bake = Some(fingerprint.digest());
+    let asset = Asset {
+        scene,
+        transfer: baked.transfer,
+    };
     asset::write(&asset, &args.output)?;
     let size = std::fs::metadata(&args.output).map_or(0, |file| file.len());
     eprintln!("wrote {} ({})", shown(&args.output), bytes(size));
     if args.json {
-        json::print(&json::baked(&asset, &args.output, size, seconds));
+        json::print(&json::baked(
+            &asset,
+            &baked.report,
+            &args.output,
+            size,
+            seconds,
+        ));
     }
-    Ok(())
+    // What is mapped from the checkpoint goes first.
+    drop(asset);
+    Ok(checkpoint.remove()?)
+}
+
+/// The error that `--samples auto` asks for.
+const AUTO_ERROR: f64 = 0.01;
+/// The most rays that a vertex casts on its way to an error.
+const MOST_SAMPLES: u32 = 1 << 16;
+
+fn options(args: &BakeArgs) -> BakeOptions {
+    let auto = (args.samples == Some(Samples::Auto)).then_some(AUTO_ERROR);
+    let error = args.error.or(auto);
+    let usual = match error {
+        Some(_) => MOST_SAMPLES,
+        None => BakeOptions::default().samples,
+    };
+    BakeOptions {
+        order: args.order,
+        samples: match args.samples {
+            Some(Samples::Count(samples)) => samples,
+            _ => usual,
+        },
+        error,
+        bounces: args.bounces,
+        shadows: !args.no_shadows,
+        seed: args.seed,
+        threads: args.threads,
+        engine: args.tracer.clone(),
+        ..BakeOptions::default()
+    }
+}
+
+/// What the bytes of the asset depend on, named as on the command line.
+fn fingerprint(world: &World, scene: &Scene, options: &BakeOptions) -> Fingerprint {
+    let engine = match options.engine.is_reproducible() {
+        true => "auto".to_owned(),
+        false => options.engine.to_string(),
+    };
+    let named = [
+        ("--order", options.order.to_string()),
+        ("--samples", options.samples.to_string()),
+        ("--error", options.error.unwrap_or(0.0).to_string()),
+        ("--bounces", options.bounces.to_string()),
+        ("--no-shadows", (!options.shadows).to_string()),
+        ("--seed", options.seed.to_string()),
+        ("--tracer", engine),
+        ("tile", options.tile.to_string()),
+        // Two sources may give one world: the asset carries the rest of them along.
+        ("source", scene.source_hash.clone()),
+    ];
+    Fingerprint::new(world, &named)
+}
+
+/// Whether the output is what this bake would write, and nothing is left of an interrupted one.
+fn is_finished(args: &BakeArgs, fingerprint: &Fingerprint) -> bool {
+    let this = Some(fingerprint.digest());
+    !partial(&args.output).exists()
+        && asset::read(&args.output).is_ok_and(|asset| asset.transfer.made.bake == this)
+}
+
+/// Where a bake at work keeps what it has done.
+fn partial(output: &Path) -> PathBuf {
+    let mut name = output.as_os_str().to_owned();
+    name.push(".partial");
+    name.into()
 }
 
 /// The scene with its edges split, if that was asked for; otherwise a warning where it should have been.
@@ -84,105 +165,58 @@ pub fn too_coarse(world: &World) -> Option<String> {
     })
 }
 
-/// Says how large the result will be, and refuses it where memory or disk cannot hold it.
-fn check_room(
-    scene: &Scene,
+/// Bakes with a progress bar, and says how long it took and how it went; with a checkpoint, tiles that are there are not done again.
+pub fn bake_with_bar(
     world: &World,
     options: &BakeOptions,
-    output: &Path,
-) -> Result<(), Failure> {
-    let need = options.need(world);
-    let file = asset::predicted_size(scene, options.order, options.channels())?;
-    asset::check_place(output, file)?;
-    eprintln!(
-        "{} vertices × {} coefficients × {} channel{}: {} of transfer, {} on disk",
-        grouped(world.positions.len() as u64),
-        options.order.count(),
-        options.channels(),
-        if options.channels() == 1 { "" } else { "s" },
-        bytes(need.result),
-        bytes(file),
-    );
-    let free = free_memory();
-    // Writing holds the container beside the result.
-    if let Some(free) = free.filter(|free| need.memory + file > *free) {
-        return Err(Failure::new(format!(
-            "the bake needs {} of memory and {} are free: lower --order, or bake parts of the scene",
-            bytes(need.memory + file),
-            bytes(free)
-        )));
-    }
-    match free_on_disk(output) {
-        Some(free) if file > free => Err(Failure::new(format!(
-            "{}: the asset takes {} and its disk has {} left: lower --order, or write elsewhere",
-            shown(output),
-            bytes(file),
-            bytes(free)
-        ))),
-        _ => Ok(()),
-    }
-}
-
-/// Bytes of memory left, where the system tells.
-fn free_memory() -> Option<u64> {
-    let mut system = System::new().ok()?;
-    system.refresh_memory();
-    Some(system.available_memory()).filter(|&free| free > 0)
-}
-
-/// Bytes left on the disk that `output` will lie on, where the system tells.
-fn free_on_disk(output: &Path) -> Option<u64> {
-    let folder = output
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
-    let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
-    let disks = Disks::new_with_refreshed_list().ok()?;
-    let holding = disks
-        .iter()
-        .filter(|disk| folder.starts_with(disk.mount_point()));
-    // The longest mount point that contains it is the one it is on.
-    let disk = holding.max_by_key(|disk| disk.mount_point().as_os_str().len())?;
-    // Some virtual file systems report nothing at all.
-    (disk.total_space() > 0).then(|| disk.available_space())
-}
-
-/// Bakes with a progress bar, and says how long it took and how it went.
-pub fn bake_with_bar(world: &World, options: &BakeOptions) -> Result<Transfer, Failure> {
-    let bar = progress::bake_bar(0);
-    let show = |progress: bake::Progress| {
-        bar.set_length(progress.total_rays);
-        progress::show(&bar, progress);
-    };
+    checkpoint: Option<&Checkpoint>,
+) -> Result<Baked, Failure> {
+    let bar = progress::bake_bar();
+    let show = |progress: bake::Progress| progress::show(&bar, progress);
     let cancelled = AtomicBool::new(false);
+    let monitor = Monitor {
+        progress: &show,
+        cancelled: &cancelled,
+    };
     let start = Instant::now();
-    let transfer = bake::bake(
-        world,
-        options,
-        &Monitor {
-            progress: &show,
-            cancelled: &cancelled,
-        },
-    )?;
+    let baked = match checkpoint {
+        Some(checkpoint) => bake::bake_with_checkpoint(world, options, &monitor, checkpoint)?,
+        None => bake::bake(world, options, &monitor)?,
+    };
     bar.finish_and_clear();
-    let seconds = start.elapsed().as_secs_f64();
+    summary(&baked, options, start.elapsed().as_secs_f64());
+    Ok(baked)
+}
+
+fn summary(baked: &Baked, options: &BakeOptions, seconds: f64) {
+    let report = &baked.report;
     if options.shadows {
-        let sides =
-            transfer.vertex_count() + transfer.back.as_ref().map_or(0, |b| b.vertices.len());
-        let rays = sides as u64 * u64::from(options.samples) * u64::from(options.bounces + 1);
-        let rate = rays as f64 / seconds / 1e6;
+        let rate = report.rays as f64 / seconds / 1e6;
         eprintln!(
-            "baked {} rays in {seconds:.1} s: {rate:.1} million a second",
-            grouped(rays)
+            "cast {} rays in {seconds:.1} s: {rate:.1} million a second, bounces included",
+            grouped(report.rays)
         );
     } else {
         eprintln!("baked without shadows in {seconds:.1} s");
     }
-    let buried = transfer.valid.iter().filter(|valid| !**valid).count();
+    if report.reused_tiles > 0 {
+        eprintln!(
+            "resumed: {} of {} tiles were there already",
+            grouped(report.reused_tiles),
+            grouped(report.tiles)
+        );
+    }
+    if report.traced_again > 0 {
+        eprintln!(
+            "{} tiles cast their rays again for a bounce: their hits found no room",
+            grouped(report.traced_again)
+        );
+    }
+    let buried = baked.transfer.valid.iter().filter(|valid| !**valid).count();
     if buried > 0 {
         warn(&format!(
             "{} vertices lie inside something (most of their rays meet backs first); they are marked invalid and filled from their neighbours",
             grouped(buried as u64)
         ));
     }
-    Ok(transfer)
 }

@@ -6,9 +6,11 @@ mod picture;
 use relume::files::printable;
 use relume::reference::{self, CompareOptions, Comparison};
 
+use std::path::PathBuf;
+
 use crate::args::CompareArgs;
 use crate::failure::Failure;
-use crate::inputs::{self, check_extension, check_output, light_path, shown};
+use crate::inputs::{self, check_extension, check_output, shown};
 use crate::{json, progress};
 
 pub use picture::ErrorPicture;
@@ -16,8 +18,10 @@ pub use picture::ErrorPicture;
 pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     if let Some(path) = &args.picture {
         check_extension(path, &["png"])?;
-        let inputs = [Some(args.asset.as_path()), light_path(&args.light.env)];
-        check_output(path, &inputs.into_iter().flatten().collect::<Vec<_>>())?;
+        let files = args.light.env.paths();
+        let mut inputs = vec![args.asset.as_path()];
+        inputs.extend(files.iter().map(PathBuf::as_path));
+        check_output(path, &inputs)?;
     }
     let (asset, world) = inputs::open_asset(&args.asset)?;
     let environment = inputs::open_environment(&args.light.env, &args.light.change)?;

@@ -58,7 +58,7 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
         threads: args.threads,
         ..BakeOptions::default()
     };
-    let transfer = bake_with_bar(&world, &options)?;
+    let transfer = bake_with_bar(&world, &options, None)?.transfer;
     let asset = Asset { scene, transfer };
     let asset_path = args.output.join("courtyard.glb");
     asset::write(&asset, &asset_path)?;
@@ -146,14 +146,18 @@ impl Studio<'_> {
                 bounces: 0,
                 ..options.clone()
             },
-        )?;
+            None,
+        )?
+        .transfer;
         let shadowed = bake_with_bar(
             self.view.world,
             &BakeOptions {
                 bounces: 0,
                 ..options.clone()
             },
-        )?;
+            None,
+        )?
+        .transfer;
         let mut panels = Vec::new();
         for transfer in [&unshadowed, &shadowed, &self.asset.transfer] {
             panels.push(self.look(transfer, &light, SMALL)?);

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::Vec3;
 use relume::asset::{self, Asset, TransferKind};
+use relume::bake::Report;
 use relume::files::printable;
 use relume::light::{EnvMap, ShLight};
 use relume::reference::{Comparison, Interval};
@@ -19,18 +20,14 @@ pub fn print(value: &Value) {
 }
 
 /// `relume bake --json`
-pub fn baked(asset: &Asset, output: &Path, bytes: u64, seconds: f64) -> Value {
-    let transfer = &asset.transfer;
-    let sides = transfer.vertex_count() + transfer.back.as_ref().map_or(0, |b| b.vertices.len());
-    let passes = match transfer.kind {
-        TransferKind::Unshadowed => 0,
-        TransferKind::Shadowed { bounces } => u64::from(bounces) + 1,
-    };
+pub fn baked(asset: &Asset, report: &Report, output: &Path, bytes: u64, seconds: f64) -> Value {
     let mut value = about_asset(asset);
     let more = json!({
         "file": shown(output),
         "file_bytes": bytes,
-        "rays": sides as u64 * u64::from(transfer.samples) * passes,
+        "rays": report.rays,
+        "tiles": report.tiles,
+        "reused_tiles": report.reused_tiles,
         "seconds": seconds,
         "warnings": warnings(&asset.scene),
     });

@@ -5,10 +5,11 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use relume::bake::Progress;
 
-/// The bar of a bake: rays, rate, time left.
-pub fn bake_bar(total_rays: u64) -> ProgressBar {
-    let bar = ProgressBar::new(total_rays);
-    let template = "{msg:12} {wide_bar} {percent:>3} %  {human_pos} rays  {per_sec}  {eta} left";
+/// The bar of a bake: vertices of all passes, and time left.
+pub fn bake_bar() -> ProgressBar {
+    let bar = ProgressBar::new(0);
+    let template =
+        "{msg:12} {wide_bar} {percent:>3} %  {human_pos} of {human_len} vertices  {eta} left";
     bar.set_style(style(template));
     bar.enable_steady_tick(Duration::from_millis(250));
     bar
@@ -17,8 +18,9 @@ pub fn bake_bar(total_rays: u64) -> ProgressBar {
 /// Moves the bar of a bake.
 pub fn show(bar: &ProgressBar, progress: Progress) {
     // Tiles end out of order; the bar never goes back.
-    if progress.rays > bar.position() {
-        bar.set_position(progress.rays);
+    bar.set_length(progress.total);
+    if progress.done > bar.position() {
+        bar.set_position(progress.done);
         bar.set_message(match progress.bounce {
             0 => "direct light".to_owned(),
             k => format!("bounce {k}"),
@@ -90,7 +92,7 @@ mod tests {
 
     #[test]
     fn the_templates_are_valid() {
-        bake_bar(1).finish_and_clear();
+        bake_bar().finish_and_clear();
         count_bar("frames", 1).finish_and_clear();
     }
 }

@@ -70,7 +70,7 @@ pub fn bake<'py>(
         transfer.channels,
         transfer.order.count(),
     ];
-    let coefficients = PyArray1::from_vec(py, transfer.coefficients).reshape(shape)?;
+    let coefficients = PyArray1::from_vec(py, transfer.coefficients.into_vec()).reshape(shape)?;
     let valid = PyArray1::from_vec(py, transfer.valid);
     Ok((coefficients, valid, warnings))
 }
@@ -91,9 +91,9 @@ fn run(
         progress: &|_| (),
         cancelled,
     };
-    let transfer = relume::bake::bake(&world, options, &monitor);
-    let transfer = transfer.map_err(|error: BakeError| failure::bake(&error))?;
-    Ok((transfer, warnings))
+    let baked = relume::bake::bake(&world, options, &monitor);
+    let baked = baked.map_err(|error: BakeError| failure::bake(&error))?;
+    Ok((baked.transfer, warnings))
 }
 
 /// Asks for the memory of a bake before it begins: a bake that runs out half way ends the whole process.

@@ -4,7 +4,7 @@ use numpy::{
     PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
-use relume::asset::{Transfer, TransferKind};
+use relume::asset::{Provenance, Transfer, TransferKind};
 use relume::basis::Order;
 use relume::light::{IncidentLight, ShLight};
 
@@ -38,6 +38,7 @@ pub fn shade<'py>(
         kind: TransferKind::Shadowed { bounces: 0 },
         samples: 0,
         seed: 0,
+        made: Provenance::default(),
         coefficients: transfer.as_slice()?.to_vec(),
         valid: vec![true; vertices],
         back: None,

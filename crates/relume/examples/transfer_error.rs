@@ -81,7 +81,7 @@ fn baked(world: &World, samples: u32, bounces: u32) -> Result<Transfer, BakeErro
         bounces,
         ..BakeOptions::default()
     };
-    bake(world, &options, &monitor)
+    Ok(bake(world, &options, &monitor)?.transfer)
 }
 
 /// The transfer vector of a vertex in three channels.

@@ -11,6 +11,14 @@ pub enum MaxEdge {
     Length(f64),
 }
 
+/// `--samples`
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Samples {
+    /// As many as an error takes.
+    Auto,
+    Count(u32),
+}
+
 /// `--exposure`
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exposure {
@@ -25,6 +33,23 @@ pub fn order(text: &str) -> Result<Order, String> {
 
 pub fn samples(text: &str) -> Result<u32, String> {
     in_range(text, 1, BakeOptions::MAX_SAMPLES)
+}
+
+pub fn samples_or_auto(text: &str) -> Result<Samples, String> {
+    match text {
+        "auto" => Ok(Samples::Auto),
+        number => samples(number)
+            .map(Samples::Count)
+            .map_err(|range| format!("{range}, nor auto")),
+    }
+}
+
+pub fn error(text: &str) -> Result<f64, String> {
+    let range = BakeOptions::MIN_ERROR..=0.5;
+    match text.parse() {
+        Ok(error) if range.contains(&error) => Ok(error),
+        _ => Err(format!("not an error in {}…{}", range.start(), range.end())),
+    }
 }
 
 pub fn bounces(text: &str) -> Result<u32, String> {

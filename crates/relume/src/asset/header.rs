@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Transfer, TransferKind};
+use super::{Provenance, Transfer, TransferKind};
 use crate::basis::Order;
 
 /// Name of the extension.
@@ -41,6 +41,12 @@ pub struct Header {
     albedo: Option<[f32; 3]>,
     #[serde(default, skip_serializing_if = "String::is_empty")]
     source: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    error: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    tracer: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    bake: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     bin: Option<Beside>,
 }
@@ -98,6 +104,7 @@ pub struct Meaning {
     pub kind: TransferKind,
     pub samples: u32,
     pub seed: u64,
+    pub made: Provenance,
     /// Linear albedo of everything, in place of base colours, textures and vertex colours.
     pub albedo: Option<[f32; 3]>,
     /// SHA-256 of the source in hex; empty when unknown.
@@ -115,6 +122,7 @@ impl Meaning {
             kind: transfer.kind,
             samples: transfer.samples,
             seed: transfer.seed,
+            made: transfer.made.clone(),
             albedo,
             source_hash: source_hash.to_owned(),
             beside: None,
@@ -140,6 +148,13 @@ pub fn to_json(meaning: &Meaning, primitives: &[Primitive]) -> Value {
             "" => String::new(),
             hash => format!("sha256:{hash}"),
         },
+        error: meaning.made.error,
+        tracer: meaning.made.tracer.clone(),
+        bake: meaning
+            .made
+            .bake
+            .as_ref()
+            .map(|hash| format!("sha256:{hash}")),
         bin: meaning.beside.clone(),
     };
     let mut json = serde_json::Map::new();
@@ -216,11 +231,12 @@ impl Header {
             Value::String(text) => text.parse().ok(),
             number => number.as_u64(),
         };
-        let hash = match self.source.strip_prefix("sha256:") {
-            _ if self.source.is_empty() => "",
-            Some(hash) if hash.len() == 64 && hash.bytes().all(is_hex) => hash,
-            _ => return Err("has a source that is no sha256".to_owned()),
-        };
+        let hash = hash_of(&self.source).ok_or("has a source that is no sha256")?;
+        let bake = self.bake.as_deref().unwrap_or_default();
+        let bake = hash_of(bake).ok_or("has a bake that is no sha256")?;
+        if !self.error.is_none_or(|error| error > 0.0 && error < 1.0) {
+            return Err("has an error outside 0…1".to_owned());
+        }
         let inside = |albedo: [f32; 3]| albedo.iter().all(|a| (0.0..=1.0).contains(a));
         if !self.albedo.is_none_or(inside) {
             return Err("has an albedo outside 0…1".to_owned());
@@ -235,10 +251,24 @@ impl Header {
             kind,
             samples: self.samples,
             seed: seed.ok_or_else(|| format!("has seed {}", shown(&self.seed)))?,
+            made: Provenance {
+                error: self.error,
+                tracer: self.tracer.as_deref().map(crate::files::printable),
+                bake: Some(bake.to_owned()).filter(|hash| !hash.is_empty()),
+            },
             albedo: self.albedo,
             source_hash: hash.to_owned(),
             beside: self.bin.clone(),
         })
+    }
+}
+
+/// The digits of `sha256:…`; none where nothing stands.
+fn hash_of(text: &str) -> Option<&str> {
+    match text.strip_prefix("sha256:") {
+        _ if text.is_empty() => Some(""),
+        Some(hash) if hash.len() == 64 && hash.bytes().all(is_hex) => Some(hash),
+        _ => None,
     }
 }
 
@@ -262,6 +292,11 @@ mod tests {
             kind: TransferKind::Shadowed { bounces: 2 },
             samples: 1024,
             seed: u64::MAX,
+            made: Provenance {
+                error: Some(0.005),
+                tracer: Some("embree".to_owned()),
+                bake: Some("5e".repeat(32)),
+            },
             albedo: None,
             source_hash: String::new(),
             beside: None,

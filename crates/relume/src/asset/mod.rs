@@ -23,7 +23,7 @@ pub use error::AssetError;
 pub use export::{export_radiance, export_transfer};
 pub use read::{from_glb, read};
 pub(crate) use strip::strip_beside;
-pub use transfer::{BackTransfer, Transfer, TransferKind};
+pub use transfer::{BackTransfer, Provenance, Transfer, TransferKind};
 pub use write::{check_place, predicted_size, same_file, to_glb, write};
 
 use crate::scene::Scene;

@@ -202,6 +202,7 @@ impl<'a> Gathered<'a> {
                 kind: meaning.kind,
                 samples: meaning.samples,
                 seed: meaning.seed,
+                made: meaning.made.clone(),
                 coefficients: Rows::default(),
                 valid: Vec::new(),
                 back: None,

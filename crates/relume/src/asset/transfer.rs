@@ -26,16 +26,29 @@ pub struct Transfer {
     pub channels: usize,
     /// What it counts.
     pub kind: TransferKind,
-    /// Rays per vertex (0 for the closed form).
+    /// Rays per vertex (0 for the closed form); the most of them where `made.error` let vertices stop before.
     pub samples: u32,
     /// The seed it was baked with.
     pub seed: u64,
+    /// How else it was made.
+    pub made: Provenance,
     /// `[vertices][channels][order²]`: a slice, in memory or in a mapped file.
     pub coefficients: Rows,
     /// False where the vertex is buried and its vector was filled from its neighbours.
     pub valid: Vec<bool>,
     /// Transfer of the back side of vertices that belong to double-sided surfaces.
     pub back: Option<BackTransfer>,
+}
+
+/// How a transfer was made, as far as its vectors do not show it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Provenance {
+    /// The relative error at which vertices stopped casting rays; `None` where all cast as many.
+    pub error: Option<f64>,
+    /// The tracer, where it is one that does not promise the same bytes on every machine.
+    pub tracer: Option<String>,
+    /// SHA-256, in hex, of everything the bake depended on: a bake that would be this one again need not be done.
+    pub bake: Option<String>,
 }
 
 /// Transfer of back sides: some vertices have one.

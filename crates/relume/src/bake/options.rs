@@ -81,7 +81,7 @@ pub struct Need {
     pub result: u64,
     /// Of memory at its fullest at most, the scene not counted, in a bake without a checkpoint.
     pub memory: u64,
-    /// Of disk at most, in a bake with one.
+    /// Of disk in a bake with one, without [`BakeOptions::operator_bytes`].
     pub checkpoint: u64,
 }
 
@@ -169,15 +169,16 @@ impl BakeOptions {
         let result = row * self.channels() as u64;
         // Direct light; with bounces their sum, the last one and the next one; and the result.
         let terms = if self.bounces == 0 { row } else { 10 * row };
-        let operator = if self.bounces == 0 {
-            0
-        } else {
-            self.operator_bytes
+        // Three corners a ray, each a column and up to three weights.
+        let most = receivers * u64::from(self.samples) * 3 * 16;
+        let operator = match self.bounces {
+            0 => 0,
+            _ => self.operator_bytes.min(most),
         };
         Need {
             result,
             memory: terms + result + operator,
-            checkpoint: row * u64::from(1 + 3 * self.bounces) + result + operator,
+            checkpoint: row * u64::from(1 + 3 * self.bounces) + result,
         }
     }
 }

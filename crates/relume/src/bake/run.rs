@@ -9,7 +9,7 @@ use super::receiver::Receivers;
 use super::store::Store;
 use super::trace::Tracer;
 use super::{BakeError, BakeOptions, Monitor};
-use crate::asset::{BackTransfer, Transfer, TransferKind};
+use crate::asset::{BackTransfer, Provenance, Transfer, TransferKind};
 use crate::basis::Zonal;
 use crate::files::Rows;
 use crate::scene::World;
@@ -18,12 +18,8 @@ use crate::scene::World;
 ///
 /// Transferred irradiance over π, without the receiver's albedo, in world space; see [`Transfer`]. The result is the same, to the bit, for any
 /// number of threads, any size of tile and every instruction set.
-pub fn bake(
-    world: &World,
-    options: &BakeOptions,
-    monitor: &Monitor,
-) -> Result<Transfer, BakeError> {
-    Ok(bake_in(world, options, monitor, &Store::default())?.transfer)
+pub fn bake(world: &World, options: &BakeOptions, monitor: &Monitor) -> Result<Baked, BakeError> {
+    bake_in(world, options, monitor, &Store::default())
 }
 
 /// [`bake`], keeping every finished tile in `checkpoint` and taking up the tiles that are there already.
@@ -228,6 +224,11 @@ fn finish(
         kind,
         samples: if options.shadows { options.samples } else { 0 },
         seed: options.seed,
+        made: Provenance {
+            error: options.error,
+            tracer: (!options.engine.is_reproducible()).then(|| options.engine.to_string()),
+            bake: None,
+        },
         coefficients,
         valid,
         back,

@@ -15,7 +15,7 @@ fn bake_with(world: &World, options: &BakeOptions) -> Transfer {
         progress: &|_| {},
         cancelled: &AtomicBool::new(false),
     };
-    bake(world, options, &monitor).unwrap()
+    bake(world, options, &monitor).unwrap().transfer
 }
 
 fn options(samples: u32, bounces: u32) -> BakeOptions {

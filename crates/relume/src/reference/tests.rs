@@ -277,6 +277,7 @@ mod comparing {
             kind,
             samples: 0,
             seed: 0,
+            made: crate::asset::Provenance::default(),
             coefficients: world.normals.iter().flat_map(of_vertex).collect(),
             valid: vec![true; world.positions.len()],
             back: None,

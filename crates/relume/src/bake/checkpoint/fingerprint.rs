@@ -35,6 +35,11 @@ impl Fingerprint {
         }
     }
 
+    /// SHA-256 of all of it, in hex.
+    pub fn digest(&self) -> String {
+        hex(&digest(&self.header()))
+    }
+
     /// The content of the header file.
     pub(super) fn header(&self) -> Vec<u8> {
         let options = self.options.iter().cloned();

@@ -2,7 +2,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use proptest::prelude::*;
 
 use super::*;
-use crate::asset::{BackTransfer, TransferKind};
+use crate::asset::{BackTransfer, Provenance, TransferKind};
 use crate::basis::sh;
 use crate::scene::{Group, Instance, Material, Mesh, Scene};
 
@@ -26,6 +26,7 @@ fn unshadowed(order: Order, normals: &[DVec3]) -> Transfer {
         kind: TransferKind::Unshadowed,
         samples: 0,
         seed: 0,
+        made: Provenance::default(),
         coefficients: normals.iter().flat_map(vector).collect(),
         valid: vec![true; normals.len()],
         back: None,
