@@ -94,7 +94,7 @@ pub struct BakeArgs {
     #[arg(long, value_name = "R,G,B", value_parser = parse::albedo)]
     pub albedo: Option<[f32; 3]>,
     /// Leave shadows out: the closed form of the clamped cosine
-    #[arg(long, conflicts_with_all = ["bounces", "samples", "error", "tracer"])]
+    #[arg(long, conflicts_with_all = ["bounces", "samples", "error", "tracer", "gather"])]
     pub no_shadows: bool,
     /// Split edges longer than this (in the scene's units), or `auto`
     #[arg(long, value_name = "LENGTH|auto", value_parser = parse::max_edge)]
@@ -105,6 +105,9 @@ pub struct BakeArgs {
     /// Threads to work with [default: one per core]; the result does not depend on it
     #[arg(long, value_name = "N", value_parser = parse::threads)]
     pub threads: Option<usize>,
+    /// Keep the gather operator in the asset: how light bounces on from vertex to vertex, whatever lit them
+    #[arg(long)]
+    pub gather: bool,
     /// What casts the rays: auto, an instruction set (portable, avx2, avx512; the same bytes), embree or embree:/absolute/path
     #[arg(long, value_name = "NAME", default_value = "auto")]
     pub tracer: Engine,

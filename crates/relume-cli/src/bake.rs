@@ -94,6 +94,7 @@ fn options(args: &BakeArgs) -> BakeOptions {
         shadows: !args.no_shadows,
         seed: args.seed,
         threads: args.threads,
+        gather: args.gather,
         engine: args.tracer.clone(),
         ..BakeOptions::default()
     }
@@ -112,6 +113,7 @@ fn fingerprint(world: &World, scene: &Scene, options: &BakeOptions) -> Fingerpri
         ("--bounces", options.bounces.to_string()),
         ("--no-shadows", (!options.shadows).to_string()),
         ("--seed", options.seed.to_string()),
+        ("--gather", options.gather.to_string()),
         ("--tracer", engine),
         ("tile", options.tile.to_string()),
         // Two sources may give one world: the asset carries the rest of them along.

@@ -42,6 +42,7 @@ pub fn shade<'py>(
         coefficients: transfer.as_slice()?.to_vec(),
         valid: vec![true; vertices],
         back: None,
+        gather: None,
     };
     let pool = work::pool()?;
     let radiance = work::brief(py, || {

@@ -62,6 +62,9 @@ pub enum AssetError {
     /// The scene holds something that a `.glb` cannot say.
     #[error("{0}")]
     Unwritable(String),
+    /// The gather operator of a file is none: what follows "RELUME_transfer".
+    #[error("its RELUME_transfer {0}; bake it again")]
+    Gather(String),
     /// The transfer does not belong to the scene, or is no transfer.
     #[error("the transfer does not fit its scene: {0}; bake the scene again")]
     Mismatch(String),

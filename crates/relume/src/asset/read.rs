@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::header::{self, HeaderError, Meaning, Primitive};
 use super::{Asset, AssetError, beside, container, merge, strip, views};
-use super::{BackTransfer, Transfer};
+use super::{BackTransfer, Gather, Transfer};
 use crate::files::{Rows, printable};
 use crate::scene::{Instance, Scene};
 use beside::Source;
@@ -83,7 +83,7 @@ fn assemble(
         }
         entries.push(entry.clone());
     }
-    let transfer = gathered.finish()?;
+    let transfer = gathered.finish(json)?;
     merge::apply(&mut scene, &entries)?;
     if let Some(document) = &mut scene.document {
         let length = strip::strip(&mut document.json, document.bin.len());
@@ -206,6 +206,7 @@ impl<'a> Gathered<'a> {
                 coefficients: Rows::default(),
                 valid: Vec::new(),
                 back: None,
+                gather: None,
             },
             coefficients: Vec::new(),
             back_vertices: Vec::new(),
@@ -264,7 +265,9 @@ impl<'a> Gathered<'a> {
         Ok(())
     }
 
-    fn finish(self) -> Result<Transfer, AssetError> {
+    fn finish(mut self, json: &Value) -> Result<Transfer, AssetError> {
+        let sides = self.transfer.vertex_count() + self.back_vertices.len();
+        let gather = Gather::take(json, &mut self.views, sides).map_err(AssetError::Gather)?;
         self.views.finish()?;
         let back = BackTransfer {
             vertices: self.back_vertices,
@@ -273,6 +276,7 @@ impl<'a> Gathered<'a> {
         Ok(Transfer {
             coefficients: self.coefficients.into(),
             back: Some(back).filter(|back| !back.vertices.is_empty()),
+            gather,
             ..self.transfer
         })
     }

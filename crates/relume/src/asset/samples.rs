@@ -38,6 +38,7 @@ pub fn transfer(vertices: usize, order: usize, channels: usize, back: Option<usi
             coefficients: numbers(2, vertices.len() * stride).into(),
             vertices,
         }),
+        gather: None,
     }
 }
 

@@ -6,16 +6,24 @@ use serde_json::{Map, Value};
 
 use super::header::NAME;
 
-/// Removes the extension from every node and `extensionsUsed`, and its buffer views where they are the last ones and nothing else names
+/// What the extension calls its buffer views.
+const ARRAYS: &[&str] = &[
+    "transfer", "valid", "vertices", "counts", "columns", "weights",
+];
+
+/// Removes the extension from every node, the document and `extensionsUsed`, and its buffer views where they are the last ones and nothing else names
 /// them. Returns how many of the `length` bytes of the buffer are still wanted.
 pub fn strip(json: &mut Value, length: usize) -> usize {
     let mut views = BTreeSet::new();
     if let Some(nodes) = json.get_mut("nodes").and_then(Value::as_array_mut) {
         for node in nodes.iter_mut().filter_map(Value::as_object_mut) {
             if let Some(extension) = take(node) {
-                collect(&extension, &["transfer", "valid", "vertices"], &mut views);
+                collect(&extension, ARRAYS, &mut views);
             }
         }
+    }
+    if let Some(extension) = json.as_object_mut().and_then(take) {
+        collect(&extension, ARRAYS, &mut views);
     }
     forget_use(json);
     let mut others = BTreeSet::new();
@@ -47,7 +55,7 @@ pub fn strip_beside(json: &mut Value) {
     }
 }
 
-/// Takes the extension out of a node, and `extensions` when it is empty then.
+/// Takes the extension out of a node or the document, and `extensions` when it is empty then.
 fn take(node: &mut Map<String, Value>) -> Option<Value> {
     let extensions = node.get_mut("extensions")?.as_object_mut()?;
     let taken = extensions.shift_remove(NAME)?;

@@ -1,5 +1,6 @@
 //! Diffuse transfer vectors.
 
+use super::Gather;
 use crate::basis::Order;
 use crate::files::Rows;
 
@@ -38,6 +39,8 @@ pub struct Transfer {
     pub valid: Vec<bool>,
     /// Transfer of the back side of vertices that belong to double-sided surfaces.
     pub back: Option<BackTransfer>,
+    /// How light bounces on from side to side, if it was asked for.
+    pub gather: Option<Gather>,
 }
 
 /// How a transfer was made, as far as its vectors do not show it.

@@ -99,6 +99,17 @@ impl<'a> Views<'a> {
             .ok_or_else(|| "has a valid flag that is neither 0 nor 1".to_owned())
     }
 
+    /// `count` u32.
+    pub fn words(&mut self, view: usize, count: usize) -> Result<Vec<u32>, String> {
+        let range = self.range(view, count, 4)?;
+        let mut values: Vec<u32> = Vec::with_capacity(count);
+        self.read(range, |bytes| {
+            let more = bytes.as_chunks::<4>().0.iter().copied();
+            values.extend(more.map(u32::from_le_bytes));
+        })?;
+        Ok(values)
+    }
+
     /// `count` ascending u32 below `limit`.
     pub fn ascending(
         &mut self,
@@ -106,12 +117,7 @@ impl<'a> Views<'a> {
         count: usize,
         limit: usize,
     ) -> Result<Vec<u32>, String> {
-        let range = self.range(view, count, 4)?;
-        let mut values: Vec<u32> = Vec::with_capacity(count);
-        self.read(range, |bytes| {
-            let more = bytes.as_chunks::<4>().0.iter().copied();
-            values.extend(more.map(u32::from_le_bytes));
-        })?;
+        let values = self.words(view, count)?;
         let inside = values.last().is_none_or(|&last| (last as usize) < limit);
         if !inside || !values.is_sorted_by(|a, b| a < b) {
             return Err("names back sides that are not ascending vertices of it".to_owned());

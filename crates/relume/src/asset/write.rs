@@ -172,6 +172,9 @@ fn plan(asset: &Asset, beside: Option<String>) -> Result<Builder<'_>, AssetError
         builder.put_transfer_beside(uri);
     }
     let entries = entries(&mut builder, asset)?;
+    if let Some(gather) = &transfer.gather {
+        gather.put(&mut builder)?;
+    }
     let mut meaning = Meaning::of(transfer, &scene.source_hash, scene.albedo_override);
     meaning.beside = builder.beside().map(|bin| Beside {
         byte_length: bin.len(),
@@ -321,6 +324,11 @@ fn check(asset: &Asset) -> Result<(), AssetError> {
             .is_some_and(|&v| v as usize >= vertices)
     {
         return wrong("its back sides do not name ascending vertices".into());
+    }
+    if let Some(gather) = &transfer.gather {
+        gather
+            .check(vertices + back.vertices.len())
+            .map_err(AssetError::Mismatch)?;
     }
     let mut all = transfer.coefficients.iter().chain(&*back.coefficients);
     match all.position(|c| !c.is_finite()) {

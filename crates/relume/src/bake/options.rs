@@ -26,6 +26,8 @@ pub struct BakeOptions {
     pub seed: u64,
     /// Threads to work with; `None` is one per core. The result does not depend on it.
     pub threads: Option<usize>,
+    /// Whether the result has the gather operator, too.
+    pub gather: bool,
     /// What casts the rays.
     pub engine: Engine,
     /// Receivers of a tile: the unit of work and of checkpoints. The result does not depend on it.
@@ -46,6 +48,7 @@ impl Default for BakeOptions {
             shadows: true,
             seed: 0,
             threads: None,
+            gather: false,
             engine: Engine::default(),
             tile: 256,
             operator_bytes: 2 << 30,
@@ -108,6 +111,9 @@ pub enum BakeError {
     #[cfg(not(target_arch = "wasm32"))]
     #[error(transparent)]
     Checkpoint(#[from] super::checkpoint::CheckpointError),
+    /// The gather operator is made of what rays meet.
+    #[error("unshadowed transfer has no gather operator: drop either")]
+    UnshadowedGather,
     /// Too many interreflections.
     #[error("{0} bounces are more than {max}; light is gone after about ten", max = BakeOptions::MAX_BOUNCES)]
     Bounces(u32),
@@ -151,6 +157,9 @@ impl BakeOptions {
         if self.bounces > Self::MAX_BOUNCES {
             return Err(BakeError::Bounces(self.bounces));
         }
+        if !self.shadows && self.gather {
+            return Err(BakeError::UnshadowedGather);
+        }
         if !self.shadows && self.bounces > 0 {
             return Err(BakeError::UnshadowedBounces);
         }
@@ -172,6 +181,7 @@ impl BakeOptions {
         // Three corners a ray, each a column and up to three weights.
         let most = receivers * u64::from(self.samples) * 3 * 16;
         let operator = match self.bounces {
+            _ if self.gather => most / 2,
             0 => 0,
             _ => self.operator_bytes.min(most),
         };

@@ -9,6 +9,7 @@ use super::gather::{self, Found, Scratch, Stage};
 use super::operator::Rows as OperatorRows;
 use super::store::{Kept, Pass, Store};
 use super::{BakeError, Monitor, Progress};
+use crate::asset::Gather;
 use crate::files::Rows;
 
 /// Passes over all receivers.
@@ -134,6 +135,61 @@ impl Passes<'_> {
         // A bake that was taken up may have room for what it did not find.
         operator.put(tile, rows.clone())?;
         Ok(Cow::Owned(rows))
+    }
+
+    /// The whole operator, from side to side: fronts by vertex, then backs.
+    pub fn gathered(&self, operator: &Kept) -> Result<Gather, BakeError> {
+        let receivers = self.stage.receivers;
+        let two_sided = receivers.two_sided();
+        let behind = two_sided.iter().map(|&v| receivers.behind[v as usize]);
+        let receiver_of: Vec<u32> = receivers.front.iter().copied().chain(behind).collect();
+        let mut side_of = vec![0; receiver_of.len()];
+        for (side, &receiver) in receiver_of.iter().enumerate() {
+            side_of[receiver as usize] = side as u32;
+        }
+        let mut gather = Gather {
+            channels: self.stage.weight_channels,
+            starts: vec![0; receiver_of.len() + 1],
+            ..Gather::default()
+        };
+        self.each_row(operator, |receiver, columns, _| {
+            gather.starts[side_of[receiver] as usize + 1] = columns.len() as u64;
+        })?;
+        for side in 0..receiver_of.len() {
+            gather.starts[side + 1] += gather.starts[side];
+        }
+        let entries = gather.starts[receiver_of.len()] as usize;
+        gather.columns.resize(entries, 0);
+        gather.weights.resize(entries * gather.channels, 0.0);
+        self.each_row(operator, |receiver, columns, weights| {
+            let mut order: Vec<usize> = (0..columns.len()).collect();
+            order.sort_unstable_by_key(|&i| side_of[columns[i] as usize]);
+            let start = gather.starts[side_of[receiver] as usize] as usize;
+            let channels = gather.channels;
+            for (place, i) in (start..).zip(order) {
+                gather.columns[place] = side_of[columns[i] as usize];
+                gather.weights[place * channels..][..channels]
+                    .copy_from_slice(&weights[i * channels..][..channels]);
+            }
+        })?;
+        Ok(gather)
+    }
+
+    /// The columns and weights of each receiver's row.
+    fn each_row(
+        &self,
+        operator: &Kept,
+        mut take: impl FnMut(usize, &[u32], &[f32]),
+    ) -> Result<(), BakeError> {
+        let mut scratch = Scratch::new(self.stage);
+        for tile in 0..self.tiles() {
+            let rows = self.operator_of(operator, tile, &mut scratch)?;
+            for (i, receiver) in self.receivers_of(tile).enumerate() {
+                let (columns, weights) = rows.row(i);
+                take(receiver, columns, weights);
+            }
+        }
+        Ok(())
     }
 
     fn receivers_of(&self, tile: usize) -> std::ops::Range<usize> {

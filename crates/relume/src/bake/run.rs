@@ -123,12 +123,15 @@ fn series(passes: &Passes, options: &BakeOptions) -> Result<Baked, BakeError> {
     let (world, receivers) = (passes.stage.world, passes.stage.receivers);
     let count = options.order.count();
     let operator = match options.bounces {
-        0 => None,
-        _ => Some(
-            passes
-                .store
-                .operator(passes.tiles(), options.operator_bytes)?,
-        ),
+        0 if !options.gather => None,
+        _ => {
+            let room = if options.gather {
+                u64::MAX
+            } else {
+                options.operator_bytes
+            };
+            Some(passes.store.operator(passes.tiles(), room)?)
+        }
     };
     let (mut direct, found) = passes.direct(operator.as_ref())?;
     let buried = |&receiver: &u32| found[receiver as usize].buried;
@@ -153,7 +156,10 @@ fn series(passes: &Passes, options: &BakeOptions) -> Result<Baked, BakeError> {
         }
         terms.push(next);
     }
-    let transfer = finish(options, receivers, &terms, valid, passes.store)?;
+    let mut transfer = finish(options, receivers, &terms, valid, passes.store)?;
+    if let Some(operator) = operator.filter(|_| options.gather) {
+        transfer.gather = Some(passes.gathered(&operator)?);
+    }
     Ok(Baked {
         transfer: with_samples(transfer, &found),
         report: passes.report(),
@@ -232,6 +238,7 @@ fn finish(
         coefficients,
         valid,
         back,
+        gather: None,
     })
 }
 

@@ -300,3 +300,90 @@ fn the_need_is_what_the_result_takes() {
         assert_eq!(need.result, 4 * transfer.coefficients.len() as u64);
     }
 }
+
+#[test]
+fn the_gather_operator_bounces_any_light_as_the_bounces_do() {
+    // Half a bowl, whose vertices see each other, of two colours; a leaf with two sides over it.
+    let mut scene = bundled::bowl(0.6, 0.8, 24);
+    scene.materials[0].base_color = [0.9, 0.5, 0.2, 1.0];
+    scene.materials[0].double_sided = true;
+    let world = World::new(&scene);
+    let bake = |bounces, gather| {
+        bake_with(
+            &world,
+            &BakeOptions {
+                gather,
+                ..options(256, bounces)
+            },
+        )
+    };
+    let (direct, bounced) = (bake(0, true), bake(2, false));
+    let gather = direct.gather.as_ref().unwrap();
+    let back = direct.back.as_ref().unwrap();
+    assert_eq!(
+        (gather.channels, gather.rows()),
+        (3, direct.vertex_count() + back.vertices.len())
+    );
+    // Light of one coefficient, another for each channel.
+    let sides = |transfer: &Transfer, coefficient: usize| -> Vec<[f32; 3]> {
+        let back = transfer.back.as_ref().unwrap();
+        let rows = transfer
+            .coefficients
+            .chunks(transfer.stride())
+            .chain(back.coefficients.chunks(transfer.stride()));
+        rows.map(|row| [0, 1, 2].map(|c| row[(c % transfer.channels) * 25 + coefficient]))
+            .collect()
+    };
+    for coefficient in [0, 2, 24] {
+        let direct = sides(&direct, coefficient);
+        let first = gather.apply(&direct);
+        let second = gather.apply(&first);
+        for (i, expected) in sides(&bounced, coefficient).iter().enumerate() {
+            for c in 0..3 {
+                let sum = direct[i][c] + first[i][c] + second[i][c];
+                // Both sum a few hundred products in f32 and f64.
+                assert!(
+                    (sum - expected[c]).abs() < 1e-5,
+                    "side {i}: {sum} for {}",
+                    expected[c]
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn an_error_asked_for_is_met_at_nearly_every_vertex() {
+    let world = World::new(&bundled::plane_under_sphere(0.5, 0.8, 3.0, 12, 0.7));
+    let truth = bake_with(
+        &world,
+        &BakeOptions {
+            seed: 1,
+            ..options(1 << 16, 0)
+        },
+    );
+    let open = 2.0 / (3.0 * std::f64::consts::PI);
+    let mut rays = Vec::new();
+    for error in [0.02, 0.005] {
+        let monitor = Monitor {
+            progress: &|_| {},
+            cancelled: &AtomicBool::new(false),
+        };
+        let asked = BakeOptions {
+            error: Some(error),
+            ..options(1 << 16, 0)
+        };
+        let Baked { transfer, report } = bake(&world, &asked, &monitor).unwrap();
+        assert_eq!(transfer.made.error, Some(error));
+        let good = (0..truth.vertex_count()).filter(|&v| {
+            let (a, b) = (transfer.vector(v, 0), truth.vector(v, 0));
+            let difference: f64 = a.iter().zip(b).map(|(a, b)| f64::from(a - b).powi(2)).sum();
+            let norm: f64 = b.iter().map(|b| f64::from(*b).powi(2)).sum();
+            difference <= 4.0 * error * error * norm.max(0.01 * open)
+        });
+        let share = good.count() as f64 / truth.vertex_count() as f64;
+        assert!(share >= 0.95, "{share} of vertices within twice {error}");
+        rays.push(report.rays / truth.vertex_count() as u64);
+    }
+    assert!(rays[0] < rays[1] && rays[1] < 1 << 14, "{rays:?} a vertex");
+}

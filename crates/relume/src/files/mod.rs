@@ -7,7 +7,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::sync::{PoisonError, RwLock};
 
-pub use rows::{Rows, le_bytes};
+pub use rows::{Rows, le_bytes, le_words};
 
 /// Held for reading while a file is being written.
 static WRITING: RwLock<()> = RwLock::new(());

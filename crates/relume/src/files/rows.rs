@@ -170,6 +170,20 @@ pub fn le_bytes(values: &[f32]) -> Cow<'_, [u8]> {
     }
 }
 
+/// [`le_bytes`] of whole numbers.
+pub fn le_words(values: &[u32]) -> Cow<'_, [u8]> {
+    if cfg!(target_endian = "little") {
+        Cow::Borrowed(bytemuck::cast_slice(values))
+    } else {
+        Cow::Owned(
+            values
+                .iter()
+                .flat_map(|value| value.to_le_bytes())
+                .collect(),
+        )
+    }
+}
+
 #[cfg(all(test, not(target_arch = "wasm32")))]
 mod tests {
     use super::*;

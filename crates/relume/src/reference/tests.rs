@@ -281,6 +281,7 @@ mod comparing {
             coefficients: world.normals.iter().flat_map(of_vertex).collect(),
             valid: vec![true; world.positions.len()],
             back: None,
+            gather: None,
         }
     }
 

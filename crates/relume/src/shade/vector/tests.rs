@@ -30,6 +30,7 @@ fn unshadowed(order: Order, normals: &[DVec3]) -> Transfer {
         coefficients: normals.iter().flat_map(vector).collect(),
         valid: vec![true; normals.len()],
         back: None,
+        gather: None,
     }
 }
 
