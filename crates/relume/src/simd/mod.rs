@@ -7,12 +7,15 @@
 //! [`Level`] is the proof: it is made by asking the processor, and only [`Level::run`] enters such functions.
 
 mod portable;
+mod transpose;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
 use std::fmt::{self, Display, Formatter};
 use std::ops::{Add, BitAnd, BitOr, Mul, Sub};
 use std::str::FromStr;
+
+pub(crate) use transpose::transpose;
 
 /// A vector of f32.
 pub trait Lanes:
@@ -27,6 +30,8 @@ pub trait Lanes:
     fn splat(x: f32) -> Self;
     /// The first [`Self::COUNT`] numbers of `from`; panics where there are fewer.
     fn load(from: &[f32]) -> Self;
+    /// The first [`Self::COUNT`] numbers of `from`, then zeros where there are fewer.
+    fn load_or_zero(from: &[f32]) -> Self;
     /// Four numbers, then zeros.
     fn load4(from: [f32; 4]) -> Self;
     /// Asks for the memory at `values` ahead of time, where the processor can.
@@ -45,6 +50,15 @@ pub trait Lanes:
     fn below(self, other: Self) -> Self::Mask;
     /// `yes` where the mask is set, `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// Cuts both vectors into runs of `D` lanes (1, 2, 4 or 8, below [`Self::COUNT`]) and gives those of even and those of odd number, the
+    /// runs of `self` before those of `other`: within each four lanes for `D` = 1 and 2, over the whole vector for 4 and 8.
+    fn split<const D: usize>(self, other: Self) -> (Self, Self);
+    /// The sum of both halves of [`Self::split`].
+    #[inline(always)]
+    fn fold<const D: usize>(self, other: Self) -> Self {
+        let (even, odd) = self.split::<D>(other);
+        even + odd
+    }
 }
 
 /// One truth value per lane.
@@ -228,6 +242,70 @@ mod tests {
         Level::here()
             .iter()
             .for_each(|&level| assert!(bits(level) == expected, "{level}"));
+    }
+
+    struct Pieces<'a>(&'a [f32]);
+
+    impl Kernel for Pieces<'_> {
+        type Output = Vec<Vec<f32>>;
+
+        #[inline(always)]
+        fn run<L: Lanes>(self) -> Vec<Vec<f32>> {
+            let mut all = Vec::new();
+            let mut keep = |vector: L| {
+                let mut lanes = [0.0; 16];
+                vector.store(&mut lanes);
+                all.push(lanes[..L::COUNT].to_vec());
+            };
+            let (a, b) = (L::load(self.0), L::load(&self.0[L::COUNT..]));
+            keep(a.split::<1>(b).0);
+            keep(a.split::<1>(b).1);
+            keep(a.split::<2>(b).0);
+            keep(a.split::<2>(b).1);
+            keep(a.split::<4>(b).0);
+            keep(a.split::<4>(b).1);
+            keep(a.fold::<2>(b));
+            for count in 0..=L::COUNT + 1 {
+                keep(L::load_or_zero(&self.0[..count]));
+            }
+            if L::COUNT > 8 {
+                keep(a.split::<8>(b).0);
+                keep(a.split::<8>(b).1);
+            }
+            all
+        }
+    }
+
+    #[test]
+    fn vectors_are_cut_into_runs_and_filled_up_with_zeros() {
+        let from: Vec<f32> = (1..40).map(|i| i as f32).collect();
+        for &level in Level::here() {
+            let width = level.width();
+            let all = level.run(Pieces(&from));
+            // The numbers of both vectors that lie in even runs of `d`, group of `group` lanes by group.
+            let split = |d: usize, group: usize, odd: usize| -> Vec<f32> {
+                let lanes = (0..width / group).flat_map(|g| [g * group, width + g * group]);
+                lanes
+                    .flat_map(|start| start..start + group)
+                    .filter(|lane| lane / d % 2 == odd)
+                    .map(|lane| from[lane])
+                    .collect()
+            };
+            let mut expected = Vec::new();
+            for (d, group) in [(1, 4), (2, 4), (4, width)] {
+                expected.extend([split(d, group, 0), split(d, group, 1)]);
+            }
+            let (even, odd) = (split(2, 4, 0), split(2, 4, 1));
+            expected.push(even.iter().zip(&odd).map(|(a, b)| a + b).collect());
+            for count in 0..=width + 1 {
+                let kept = |i: usize| if i < count { from[i] } else { 0.0 };
+                expected.push((0..width).map(kept).collect());
+            }
+            if width > 8 {
+                expected.extend([split(8, width, 0), split(8, width, 1)]);
+            }
+            assert_eq!(all, expected, "{level}");
+        }
     }
 
     #[test]
