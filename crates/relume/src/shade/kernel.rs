@@ -11,9 +11,6 @@ use crate::simd::{Kernel, Lanes};
 /// Partial sums of a dot product, which is the widest vector.
 pub const WIDE: usize = 16;
 
-/// How many numbers ahead memory is asked for: a block visits its vertices in leaps, which processors do not foresee.
-const AHEAD: usize = 4096;
-
 /// One light: a row per channel, each padded with zeros to a multiple of [`WIDE`].
 pub type Planes = [Vec<f32>; 3];
 
@@ -56,9 +53,6 @@ impl Shade<'_, '_> {
         let mut first = 0;
         while first < vertices {
             let here = (vertices - first).min(L::COUNT);
-            let soon = self.vectors.len().min(first * stride + AHEAD);
-            let after = self.vectors.len().min(soon + here * stride);
-            L::prefetch(&self.vectors[soon..after]);
             for (light, radiance) in self.lights.iter().zip(self.radiance.iter_mut()) {
                 let block = Block::<CHANNELS, PIECES> {
                     vectors: &self.vectors[first * stride..(first + here) * stride],
@@ -71,12 +65,26 @@ impl Shade<'_, '_> {
                 r.store(&mut sums[0]);
                 g.store(&mut sums[1]);
                 b.store(&mut sums[2]);
-                for (i, rgb) in radiance[first..first + here].iter_mut().enumerate() {
-                    *rgb = [sums[0][i], sums[1][i], sums[2][i]];
+                let radiance = &mut radiance[first..first + here];
+                for v in 0..L::COUNT {
+                    if v < here {
+                        let lane = lane::<L>(v);
+                        radiance[v] = [sums[0][lane], sums[1][lane], sums[2][lane]];
+                    }
                 }
             }
             first += here;
         }
+    }
+}
+
+/// The lane in which the folds of [`Block::sums`] leave vertex `v`: each brings one bit of `v` to its place.
+#[inline(always)]
+fn lane<L: Lanes>(v: usize) -> usize {
+    if L::COUNT == WIDE {
+        (v & 1) << 2 | (v & 2) << 2 | (v & 4) >> 2 | (v & 8) >> 2
+    } else {
+        (v & 1) << 2 | (v & 2) >> 1 | (v & 4) >> 1
     }
 }
 
@@ -119,27 +127,25 @@ struct Block<'a, const CHANNELS: usize, const PIECES: usize> {
 }
 
 impl<const CHANNELS: usize, const PIECES: usize> Block<'_, CHANNELS, PIECES> {
-    /// Lane v: the sums of vertex v. Which vertices meet in a fold is what brings each to its own lane.
+    /// The sums of all vertices, that of vertex v in lane [`lane`] of v. Vertices are visited in their order, as memory is read fastest.
     #[inline(always)]
     fn sums<L: Lanes>(&self) -> Rgb<L> {
-        self.two_apart::<L>(0).fold::<1>(self.two_apart::<L>(2))
+        let half = L::COUNT / 2;
+        self.two_apart::<L>(0).fold::<1>(self.two_apart::<L>(half))
     }
 
     #[inline(always)]
     fn two_apart<L: Lanes>(&self, v: usize) -> Rgb<L> {
+        let quarter = L::COUNT / 4;
         self.four_apart::<L>(v)
-            .fold::<2>(self.four_apart::<L>(v + 1))
+            .fold::<2>(self.four_apart::<L>(v + quarter))
     }
 
     #[inline(always)]
     fn four_apart<L: Lanes>(&self, v: usize) -> Rgb<L> {
-        if L::COUNT == WIDE {
-            self.eight_apart::<L>(v)
-                .fold::<4>(self.eight_apart::<L>(v + 8))
-        } else {
-            self.eight_apart::<L>(v)
-                .fold::<4>(self.eight_apart::<L>(v + 4))
-        }
+        let eighth = L::COUNT / 8;
+        self.eight_apart::<L>(v)
+            .fold::<4>(self.eight_apart::<L>(v + eighth))
     }
 
     /// Partial sums 8 apart added: two vertices in one vector of sixteen, one in a vector of eight.
@@ -147,7 +153,7 @@ impl<const CHANNELS: usize, const PIECES: usize> Block<'_, CHANNELS, PIECES> {
     fn eight_apart<L: Lanes>(&self, v: usize) -> Rgb<L> {
         if L::COUNT == WIDE {
             self.partial::<L>(v, 0)
-                .fold::<8>(self.partial::<L>(v + 4, 0))
+                .fold::<8>(self.partial::<L>(v + 1, 0))
         } else {
             self.partial::<L>(v, 0).plus(self.partial::<L>(v, L::COUNT))
         }
