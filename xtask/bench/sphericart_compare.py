@@ -16,7 +16,7 @@ import numpy as np
 import sphericart
 
 LARGE = 100_000
-CACHED = [256, 1000]
+CACHED = [256, 1000, 4000]
 
 
 def parse():

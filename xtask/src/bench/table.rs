@@ -44,14 +44,14 @@ impl Display for Table {
         for row in &self.0 {
             writeln!(
                 f,
-                "{:width$} {:>10} {:>10} {:22} {:>7} {:>6} {}",
+                "{:width$} {:>10} {:>10} {:22} {:>7} {:>6}{}",
                 row.name,
                 short(row.ours),
                 short(row.theirs),
                 row.unit,
                 short(row.ratio()),
                 short(row.aim),
-                if row.is_reached() { "" } else { "missed" }
+                if row.is_reached() { "" } else { " missed" }
             )?;
         }
         Ok(())

@@ -8,7 +8,7 @@ impl Evaluator {
     ///
     /// `values` is `[direction][order²]`, row-major: as other libraries return it. The same bits for every instruction set, and the same
     /// as [`Evaluator::eval_lanes`] gives. Against [`Evaluator::eval`] in the same (f32) direction, a value of degree l is off by at
-    /// most 2(l+1)²·2⁻²⁴ of √((2l+1)/4π); found to order 32: below 4e-5 absolute, the values reaching 2.2.
+    /// most 2(l+1)²·2⁻²⁴ of √((2l+1)/4π); found to order 32: 1.0e-5 absolute, the values reaching 2.2.
     ///
     /// For arrays that do not fit the cache, calls with a few hundred directions each are faster than one.
     pub fn eval_many(&self, directions: &[[f32; 3]], values: &mut [f32]) {
