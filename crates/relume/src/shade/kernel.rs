@@ -60,31 +60,18 @@ impl Shade<'_, '_> {
                     count: self.count,
                     light,
                 };
-                let mut sums = [[0.0; WIDE]; 3];
                 let Rgb { r, g, b } = block.sums::<L>();
-                r.store(&mut sums[0]);
-                g.store(&mut sums[1]);
-                b.store(&mut sums[2]);
                 let radiance = &mut radiance[first..first + here];
-                for v in 0..L::COUNT {
-                    if v < here {
-                        let lane = lane::<L>(v);
-                        radiance[v] = [sums[0][lane], sums[1][lane], sums[2][lane]];
-                    }
+                if here == L::COUNT {
+                    L::store_folded(r, g, b, radiance);
+                } else {
+                    let mut all = [[0.0; 3]; WIDE];
+                    L::store_folded(r, g, b, &mut all);
+                    radiance.copy_from_slice(&all[..here]);
                 }
             }
             first += here;
         }
-    }
-}
-
-/// The lane in which the folds of [`Block::sums`] leave vertex `v`: each brings one bit of `v` to its place.
-#[inline(always)]
-fn lane<L: Lanes>(v: usize) -> usize {
-    if L::COUNT == WIDE {
-        (v & 1) << 2 | (v & 2) << 2 | (v & 4) >> 2 | (v & 8) >> 2
-    } else {
-        (v & 1) << 2 | (v & 2) >> 1 | (v & 4) >> 1
     }
 }
 
@@ -127,7 +114,7 @@ struct Block<'a, const CHANNELS: usize, const PIECES: usize> {
 }
 
 impl<const CHANNELS: usize, const PIECES: usize> Block<'_, CHANNELS, PIECES> {
-    /// The sums of all vertices, that of vertex v in lane [`lane`] of v. Vertices are visited in their order, as memory is read fastest.
+    /// The sums of all vertices, that of vertex v in lane [`crate::simd::folded`] of v. Vertices are visited in their order, as memory is read fastest.
     #[inline(always)]
     fn sums<L: Lanes>(&self) -> Rgb<L> {
         let half = L::COUNT / 2;

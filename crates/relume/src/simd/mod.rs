@@ -59,6 +59,30 @@ pub trait Lanes:
         let (even, odd) = self.split::<D>(other);
         even + odd
     }
+    /// Interleaves three vectors, lane [`folded`]`(0)` first: `to` receives `[r, g, b]` for each lane in that order.
+    #[inline(always)]
+    fn store_folded(r: Self, g: Self, b: Self, to: &mut [[f32; 3]]) {
+        let mut lanes = [[0.0; 16]; 3];
+        r.store(&mut lanes[0]);
+        g.store(&mut lanes[1]);
+        b.store(&mut lanes[2]);
+        let to = &mut to[..Self::COUNT];
+        for (i, to) in to.iter_mut().enumerate() {
+            let lane = folded(i, Self::COUNT);
+            *to = [lanes[0][lane], lanes[1][lane], lanes[2][lane]];
+        }
+    }
+}
+
+/// The lane in which vector `i` of `count` ends when as many are folded into one, neighbours first: by 8 (where there are sixteen), 4, 2 and
+/// 1. Each fold brings one bit of `i` to its place.
+#[inline(always)]
+pub(crate) const fn folded(i: usize, count: usize) -> usize {
+    if count == 16 {
+        (i & 1) << 2 | (i & 2) << 2 | (i & 4) >> 2 | (i & 8) >> 2
+    } else {
+        (i & 1) << 2 | (i & 2) >> 1 | (i & 4) >> 1
+    }
 }
 
 /// One truth value per lane.
@@ -305,6 +329,33 @@ mod tests {
                 expected.extend([split(8, width, 0), split(8, width, 1)]);
             }
             assert_eq!(all, expected, "{level}");
+        }
+    }
+
+    struct Triples<'a>(&'a [f32], &'a mut [[f32; 3]]);
+
+    impl Kernel for Triples<'_> {
+        type Output = usize;
+
+        #[inline(always)]
+        fn run<L: Lanes>(self) -> usize {
+            let [r, g, b] = [0, 20, 40].map(|start| L::load(&self.0[start..]));
+            L::store_folded(r, g, b, self.1);
+            L::COUNT
+        }
+    }
+
+    #[test]
+    fn triples_come_out_in_the_order_of_the_folds() {
+        let from: Vec<f32> = (0..60).map(|i| i as f32).collect();
+        for &level in Level::here() {
+            let mut to = [[-1.0; 3]; 18];
+            let count = level.run(Triples(&from, &mut to));
+            for (i, &rgb) in to.iter().enumerate() {
+                let lane = folded(i, count) as f32;
+                let expected = [lane, 20.0 + lane, 40.0 + lane];
+                assert_eq!(rgb, if i < count { expected } else { [-1.0; 3] }, "{level}");
+            }
         }
     }
 

@@ -7,7 +7,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Mul, Sub};
 
-use super::{Kernel, Lanes, Level, Mask};
+use super::{Kernel, Lanes, Level, Mask, folded};
 
 /// Enters code compiled for AVX2; `_proof` says that the processor has it.
 pub fn run_avx2<K: Kernel>(_proof: Level, kernel: K) -> K::Output {
@@ -29,6 +29,23 @@ pub fn run_avx512<K: Kernel>(_proof: Level, kernel: K) -> K::Output {
     unsafe { compiled(kernel) }
 }
 
+/// For each sixteen of 48 interleaved numbers: where r and g come from (g's lanes counted from 16), then that mixture and b.
+const TRIPLES: [([i32; 16], [i32; 16]); 3] = {
+    let mut tables = [([0; 16], [0; 16]); 3];
+    let mut k = 0;
+    while k < 48 {
+        let (part, i) = (k / 16, k % 16);
+        let lane = folded(k / 3, 16) as i32;
+        (tables[part].0[i], tables[part].1[i]) = match k % 3 {
+            0 => (lane, i as i32),
+            1 => (16 + lane, i as i32),
+            _ => (0, 16 + lane),
+        };
+        k += 1;
+    }
+    tables
+};
+
 /// Eight lanes. Only [`run_avx2`] brings it to kernels.
 #[derive(Clone, Copy)]
 pub struct Avx2(__m256);
@@ -47,7 +64,7 @@ pub struct Mask16(__mmask16);
 macro_rules! lanes {
     ($name:ident, $mask:ident, $count:literal, $splat:ident, $load:ident, $widen:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
      $min:ident, $max:ident, |$a:ident, $b:ident| $at_most:expr, $below:expr, |$m:ident, $yes:ident, $no:ident| $select:expr,
-     |$some:ident| $load_some:expr, |$u:ident, $v:ident| { $($distance:literal => $even:expr, $odd:expr;)* }) => {
+     |$some:ident| $load_some:expr, |$u:ident, $v:ident| { $($distance:literal => $even:expr, $odd:expr;)* } $($more:item)*) => {
         impl Lanes for $name {
             const COUNT: usize = $count;
             type Mask = $mask;
@@ -131,6 +148,7 @@ macro_rules! lanes {
                     }
                 }
             }
+            $($more)*
         }
 
         lanes!(operator, $name, Add, add, $add);
@@ -201,6 +219,20 @@ lanes!(
         2 => _mm512_shuffle_ps::<0x44>(a, b), _mm512_shuffle_ps::<0xee>(a, b);
         4 => _mm512_shuffle_f32x4::<0x88>(a, b), _mm512_shuffle_f32x4::<0xdd>(a, b);
         8 => _mm512_shuffle_f32x4::<0x44>(a, b), _mm512_shuffle_f32x4::<0xee>(a, b);
+    }
+    #[inline(always)]
+    fn store_folded(r: Self, g: Self, b: Self, to: &mut [[f32; 3]]) {
+        let to = to[..16].as_flattened_mut();
+        for (part, (first, second)) in TRIPLES.iter().enumerate() {
+            // SAFETY: this type exists only where its instructions do; the tables hold sixteen numbers each.
+            let mixed = unsafe {
+                let first = _mm512_loadu_si512(first.as_ptr().cast());
+                let second = _mm512_loadu_si512(second.as_ptr().cast());
+                let mixed = _mm512_permutex2var_ps(r.0, first, g.0);
+                _mm512_permutex2var_ps(mixed, second, b.0)
+            };
+            Self(mixed).store(&mut to[16 * part..]);
+        }
     }
 );
 
