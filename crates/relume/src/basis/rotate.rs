@@ -1,5 +1,7 @@
 //! Rotation of expansions.
 
+mod many;
+
 use glam::{DMat3, DVec3};
 use thiserror::Error;
 

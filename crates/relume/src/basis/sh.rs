@@ -1,8 +1,11 @@
 //! Evaluation of the real spherical harmonics.
 
+mod many;
+
 use glam::DVec3;
 
 use super::{Order, index};
+use crate::simd::Level;
 
 /// How many directions [`Evaluator::eval_lanes`] takes at once. Fixed, so that results do not depend on the machine.
 pub const LANES: usize = 16;
@@ -25,7 +28,9 @@ pub struct Evaluator {
     /// `(a, a·b)` of P̄_lm at `index(l, m)`, l > m.
     steps: Vec<(f64, f64)>,
     sectoral_f32: Vec<f32>,
+    /// As `steps`, in the order in which they are taken: m after m, l from m+1.
     steps_f32: Vec<(f32, f32)>,
+    level: Level,
 }
 
 /// All `order²` basis functions at the unit direction `d`.
@@ -40,6 +45,11 @@ pub fn eval(order: Order, d: DVec3) -> Vec<f64> {
 impl Evaluator {
     /// Constants for `order`.
     pub fn new(order: Order) -> Self {
+        Self::with_level(order, Level::best())
+    }
+
+    /// As [`Evaluator::new`], with f32 evaluated by the instructions of `level`. The values do not depend on it.
+    pub fn with_level(order: Order, level: Level) -> Self {
         let n = order.get();
         let mut sectoral = vec![(0.25 / std::f64::consts::PI).sqrt()];
         let mut factor = sectoral[0] * std::f64::consts::SQRT_2;
@@ -57,9 +67,13 @@ impl Evaluator {
         Self {
             order,
             sectoral_f32: sectoral.iter().map(|&x| x as f32).collect(),
-            steps_f32: steps.iter().map(|&(a, ab)| (a as f32, ab as f32)).collect(),
+            steps_f32: (0..n)
+                .flat_map(|m| (m + 1..n).map(move |l| index(l, m as isize)))
+                .map(|i| (steps[i].0 as f32, steps[i].1 as f32))
+                .collect(),
             sectoral,
             steps,
+            level,
         }
     }
 
@@ -88,42 +102,6 @@ impl Evaluator {
                 values[index(l, m as isize)] = p * re;
             }
             (re, im) = (re * d.x - im * d.y, im * d.x + re * d.y);
-        }
-    }
-
-    /// All basis functions at [`LANES`] unit directions at once, in f32.
-    ///
-    /// `d` holds the x, y and z of the directions; `values[i][lane]` receives `Y_i`. Each lane is computed alone, by the same steps
-    /// as [`Evaluator::eval`].
-    pub fn eval_lanes(&self, d: &[[f32; LANES]; 3], values: &mut [[f32; LANES]]) {
-        let n = self.order.get();
-        assert_eq!(
-            values.len(),
-            self.order.count(),
-            "one place per basis function"
-        );
-        let [x, y, z] = d;
-        let (mut re, mut im) = ([1.0; LANES], [0.0; LANES]);
-        for m in 0..n {
-            let (mut before, mut p) = ([0.0; LANES], [self.sectoral_f32[m]; LANES]);
-            for l in m..n {
-                if l > m {
-                    let (a, ab) = self.steps_f32[index(l, m as isize)];
-                    for i in 0..LANES {
-                        (before[i], p[i]) = (p[i], a * z[i] * p[i] - ab * before[i]);
-                    }
-                }
-                let (sine, cosine) = (index(l, -(m as isize)), index(l, m as isize));
-                for i in 0..LANES {
-                    values[sine][i] = p[i] * im[i];
-                }
-                for i in 0..LANES {
-                    values[cosine][i] = p[i] * re[i];
-                }
-            }
-            for i in 0..LANES {
-                (re[i], im[i]) = (re[i] * x[i] - im[i] * y[i], im[i] * x[i] + re[i] * y[i]);
-            }
         }
     }
 }

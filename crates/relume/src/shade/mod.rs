@@ -1,5 +1,9 @@
 //! Transfer and light in, radiance out.
 
+mod kernel;
 mod vector;
 
-pub use vector::{radiance, transferred_radiance, transferred_radiance_back};
+pub use vector::{
+    radiance, transferred_radiance, transferred_radiance_back, transferred_radiance_batch,
+    transferred_radiance_into,
+};

@@ -7,12 +7,15 @@
 //! [`Level`] is the proof: it is made by asking the processor, and only [`Level::run`] enters such functions.
 
 mod portable;
+mod transpose;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
 use std::fmt::{self, Display, Formatter};
 use std::ops::{Add, BitAnd, BitOr, Mul, Sub};
 use std::str::FromStr;
+
+pub(crate) use transpose::transpose;
 
 /// A vector of f32.
 pub trait Lanes:
@@ -27,6 +30,8 @@ pub trait Lanes:
     fn splat(x: f32) -> Self;
     /// The first [`Self::COUNT`] numbers of `from`; panics where there are fewer.
     fn load(from: &[f32]) -> Self;
+    /// The first [`Self::COUNT`] numbers of `from`, then zeros where there are fewer.
+    fn load_or_zero(from: &[f32]) -> Self;
     /// Four numbers, then zeros.
     fn load4(from: [f32; 4]) -> Self;
     /// Asks for the memory at `values` ahead of time, where the processor can.
@@ -45,6 +50,39 @@ pub trait Lanes:
     fn below(self, other: Self) -> Self::Mask;
     /// `yes` where the mask is set, `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// Cuts both vectors into runs of `D` lanes (1, 2, 4 or 8, below [`Self::COUNT`]) and gives those of even and those of odd number, the
+    /// runs of `self` before those of `other`: within each four lanes for `D` = 1 and 2, over the whole vector for 4 and 8.
+    fn split<const D: usize>(self, other: Self) -> (Self, Self);
+    /// The sum of both halves of [`Self::split`].
+    #[inline(always)]
+    fn fold<const D: usize>(self, other: Self) -> Self {
+        let (even, odd) = self.split::<D>(other);
+        even + odd
+    }
+    /// Interleaves three vectors, lane [`folded`]`(0)` first: `to` receives `[r, g, b]` for each lane in that order.
+    #[inline(always)]
+    fn store_folded(r: Self, g: Self, b: Self, to: &mut [[f32; 3]]) {
+        let mut lanes = [[0.0; 16]; 3];
+        r.store(&mut lanes[0]);
+        g.store(&mut lanes[1]);
+        b.store(&mut lanes[2]);
+        let to = &mut to[..Self::COUNT];
+        for (i, to) in to.iter_mut().enumerate() {
+            let lane = folded(i, Self::COUNT);
+            *to = [lanes[0][lane], lanes[1][lane], lanes[2][lane]];
+        }
+    }
+}
+
+/// The lane in which vector `i` of `count` ends when as many are folded into one, neighbours first: by 8 (where there are sixteen), 4, 2 and
+/// 1. Each fold brings one bit of `i` to its place.
+#[inline(always)]
+pub(crate) const fn folded(i: usize, count: usize) -> usize {
+    if count == 16 {
+        (i & 1) << 2 | (i & 2) << 2 | (i & 4) >> 2 | (i & 8) >> 2
+    } else {
+        (i & 1) << 2 | (i & 2) >> 1 | (i & 4) >> 1
+    }
 }
 
 /// One truth value per lane.
@@ -228,6 +266,97 @@ mod tests {
         Level::here()
             .iter()
             .for_each(|&level| assert!(bits(level) == expected, "{level}"));
+    }
+
+    struct Pieces<'a>(&'a [f32]);
+
+    impl Kernel for Pieces<'_> {
+        type Output = Vec<Vec<f32>>;
+
+        #[inline(always)]
+        fn run<L: Lanes>(self) -> Vec<Vec<f32>> {
+            let mut all = Vec::new();
+            let mut keep = |vector: L| {
+                let mut lanes = [0.0; 16];
+                vector.store(&mut lanes);
+                all.push(lanes[..L::COUNT].to_vec());
+            };
+            let (a, b) = (L::load(self.0), L::load(&self.0[L::COUNT..]));
+            keep(a.split::<1>(b).0);
+            keep(a.split::<1>(b).1);
+            keep(a.split::<2>(b).0);
+            keep(a.split::<2>(b).1);
+            keep(a.split::<4>(b).0);
+            keep(a.split::<4>(b).1);
+            keep(a.fold::<2>(b));
+            for count in 0..=L::COUNT + 1 {
+                keep(L::load_or_zero(&self.0[..count]));
+            }
+            if L::COUNT > 8 {
+                keep(a.split::<8>(b).0);
+                keep(a.split::<8>(b).1);
+            }
+            all
+        }
+    }
+
+    #[test]
+    fn vectors_are_cut_into_runs_and_filled_up_with_zeros() {
+        let from: Vec<f32> = (1..40).map(|i| i as f32).collect();
+        for &level in Level::here() {
+            let width = level.width();
+            let all = level.run(Pieces(&from));
+            // The numbers of both vectors that lie in even runs of `d`, group of `group` lanes by group.
+            let split = |d: usize, group: usize, odd: usize| -> Vec<f32> {
+                let lanes = (0..width / group).flat_map(|g| [g * group, width + g * group]);
+                lanes
+                    .flat_map(|start| start..start + group)
+                    .filter(|lane| lane / d % 2 == odd)
+                    .map(|lane| from[lane])
+                    .collect()
+            };
+            let mut expected = Vec::new();
+            for (d, group) in [(1, 4), (2, 4), (4, width)] {
+                expected.extend([split(d, group, 0), split(d, group, 1)]);
+            }
+            let (even, odd) = (split(2, 4, 0), split(2, 4, 1));
+            expected.push(even.iter().zip(&odd).map(|(a, b)| a + b).collect());
+            for count in 0..=width + 1 {
+                let kept = |i: usize| if i < count { from[i] } else { 0.0 };
+                expected.push((0..width).map(kept).collect());
+            }
+            if width > 8 {
+                expected.extend([split(8, width, 0), split(8, width, 1)]);
+            }
+            assert_eq!(all, expected, "{level}");
+        }
+    }
+
+    struct Triples<'a>(&'a [f32], &'a mut [[f32; 3]]);
+
+    impl Kernel for Triples<'_> {
+        type Output = usize;
+
+        #[inline(always)]
+        fn run<L: Lanes>(self) -> usize {
+            let [r, g, b] = [0, 20, 40].map(|start| L::load(&self.0[start..]));
+            L::store_folded(r, g, b, self.1);
+            L::COUNT
+        }
+    }
+
+    #[test]
+    fn triples_come_out_in_the_order_of_the_folds() {
+        let from: Vec<f32> = (0..60).map(|i| i as f32).collect();
+        for &level in Level::here() {
+            let mut to = [[-1.0; 3]; 18];
+            let count = level.run(Triples(&from, &mut to));
+            for (i, &rgb) in to.iter().enumerate() {
+                let lane = folded(i, count) as f32;
+                let expected = [lane, 20.0 + lane, 40.0 + lane];
+                assert_eq!(rgb, if i < count { expected } else { [-1.0; 3] }, "{level}");
+            }
+        }
     }
 
     #[test]

@@ -42,6 +42,13 @@ impl Lanes for F32x8 {
         Self(lanes)
     }
     #[inline(always)]
+    fn load_or_zero(from: &[f32]) -> Self {
+        let mut lanes = [0.0; COUNT];
+        let count = from.len().min(COUNT);
+        lanes[..count].copy_from_slice(&from[..count]);
+        Self(lanes)
+    }
+    #[inline(always)]
     fn load4([a, b, c, d]: [f32; 4]) -> Self {
         Self([a, b, c, d, 0.0, 0.0, 0.0, 0.0])
     }
@@ -76,6 +83,26 @@ impl Lanes for F32x8 {
         Self(std::array::from_fn(|i| {
             if mask.0[i] != 0 { yes.0[i] } else { no.0[i] }
         }))
+    }
+    #[inline(always)]
+    fn split<const D: usize>(self, other: Self) -> (Self, Self) {
+        let [a, b, c, d, e, f, g, h] = self.0;
+        let [i, j, k, l, m, n, o, p] = other.0;
+        match D {
+            1 => (
+                Self([a, c, i, k, e, g, m, o]),
+                Self([b, d, j, l, f, h, n, p]),
+            ),
+            2 => (
+                Self([a, b, i, j, e, f, m, n]),
+                Self([c, d, k, l, g, h, o, p]),
+            ),
+            4 => (
+                Self([a, b, c, d, i, j, k, l]),
+                Self([e, f, g, h, m, n, o, p]),
+            ),
+            _ => unreachable!("eight lanes have no two runs of {D}"),
+        }
     }
 }
 

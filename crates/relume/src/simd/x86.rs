@@ -7,7 +7,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Mul, Sub};
 
-use super::{Kernel, Lanes, Level, Mask};
+use super::{Kernel, Lanes, Level, Mask, folded};
 
 /// Enters code compiled for AVX2; `_proof` says that the processor has it.
 pub fn run_avx2<K: Kernel>(_proof: Level, kernel: K) -> K::Output {
@@ -29,6 +29,23 @@ pub fn run_avx512<K: Kernel>(_proof: Level, kernel: K) -> K::Output {
     unsafe { compiled(kernel) }
 }
 
+/// For each sixteen of 48 interleaved numbers: where r and g come from (g's lanes counted from 16), then that mixture and b.
+const TRIPLES: [([i32; 16], [i32; 16]); 3] = {
+    let mut tables = [([0; 16], [0; 16]); 3];
+    let mut k = 0;
+    while k < 48 {
+        let (part, i) = (k / 16, k % 16);
+        let lane = folded(k / 3, 16) as i32;
+        (tables[part].0[i], tables[part].1[i]) = match k % 3 {
+            0 => (lane, i as i32),
+            1 => (16 + lane, i as i32),
+            _ => (0, 16 + lane),
+        };
+        k += 1;
+    }
+    tables
+};
+
 /// Eight lanes. Only [`run_avx2`] brings it to kernels.
 #[derive(Clone, Copy)]
 pub struct Avx2(__m256);
@@ -46,7 +63,8 @@ pub struct Mask16(__mmask16);
 /// `Lanes` and the operators for a vector type, from its instructions.
 macro_rules! lanes {
     ($name:ident, $mask:ident, $count:literal, $splat:ident, $load:ident, $widen:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
-     $min:ident, $max:ident, |$a:ident, $b:ident| $at_most:expr, $below:expr, |$m:ident, $yes:ident, $no:ident| $select:expr) => {
+     $min:ident, $max:ident, |$a:ident, $b:ident| $at_most:expr, $below:expr, |$m:ident, $yes:ident, $no:ident| $select:expr,
+     |$some:ident| $load_some:expr, |$u:ident, $v:ident| { $($distance:literal => $even:expr, $odd:expr;)* } $($more:item)*) => {
         impl Lanes for $name {
             const COUNT: usize = $count;
             type Mask = $mask;
@@ -61,6 +79,12 @@ macro_rules! lanes {
                 let from = &from[..$count];
                 // SAFETY: as above; `from` holds as many numbers as are read, and no alignment is asked for.
                 Self(unsafe { $load(from.as_ptr()) })
+            }
+            #[inline(always)]
+            fn load_or_zero(from: &[f32]) -> Self {
+                let $some = &from[..from.len().min($count)];
+                // SAFETY: as above; lanes behind the end are masked, and those are not read.
+                Self(unsafe { $load_some })
             }
             #[inline(always)]
             fn load4(from: [f32; 4]) -> Self {
@@ -113,6 +137,18 @@ macro_rules! lanes {
                 // SAFETY: as above.
                 Self(unsafe { $select })
             }
+            #[inline(always)]
+            fn split<const D: usize>(self, other: Self) -> (Self, Self) {
+                let ($u, $v) = (self.0, other.0);
+                // SAFETY: as above.
+                unsafe {
+                    match D {
+                        $($distance => (Self($even), Self($odd)),)*
+                        _ => unreachable!("{} lanes have no two runs of {D}", $count),
+                    }
+                }
+            }
+            $($more)*
         }
 
         lanes!(operator, $name, Add, add, $add);
@@ -147,7 +183,17 @@ lanes!(
     _mm256_max_ps,
     |a, b| _mm256_cmp_ps::<_CMP_LE_OQ>(a, b),
     _mm256_cmp_ps::<_CMP_LT_OQ>(a, b),
-    |mask, yes, no| _mm256_blendv_ps(no, yes, mask)
+    |mask, yes, no| _mm256_blendv_ps(no, yes, mask),
+    |from| {
+        let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+        let mask = _mm256_cmpgt_epi32(_mm256_set1_epi32(from.len() as i32), lanes);
+        _mm256_maskload_ps(from.as_ptr(), mask)
+    },
+    |a, b| {
+        1 => _mm256_shuffle_ps::<0x88>(a, b), _mm256_shuffle_ps::<0xdd>(a, b);
+        2 => _mm256_shuffle_ps::<0x44>(a, b), _mm256_shuffle_ps::<0xee>(a, b);
+        4 => _mm256_permute2f128_ps::<0x20>(a, b), _mm256_permute2f128_ps::<0x31>(a, b);
+    }
 );
 
 lanes!(
@@ -166,7 +212,28 @@ lanes!(
     _mm512_max_ps,
     |a, b| _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b),
     _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b),
-    |mask, yes, no| _mm512_mask_blend_ps(mask, no, yes)
+    |mask, yes, no| _mm512_mask_blend_ps(mask, no, yes),
+    |from| _mm512_maskz_loadu_ps(((1u32 << from.len()) - 1) as __mmask16, from.as_ptr()),
+    |a, b| {
+        1 => _mm512_shuffle_ps::<0x88>(a, b), _mm512_shuffle_ps::<0xdd>(a, b);
+        2 => _mm512_shuffle_ps::<0x44>(a, b), _mm512_shuffle_ps::<0xee>(a, b);
+        4 => _mm512_shuffle_f32x4::<0x88>(a, b), _mm512_shuffle_f32x4::<0xdd>(a, b);
+        8 => _mm512_shuffle_f32x4::<0x44>(a, b), _mm512_shuffle_f32x4::<0xee>(a, b);
+    }
+    #[inline(always)]
+    fn store_folded(r: Self, g: Self, b: Self, to: &mut [[f32; 3]]) {
+        let to = to[..16].as_flattened_mut();
+        for (part, (first, second)) in TRIPLES.iter().enumerate() {
+            // SAFETY: this type exists only where its instructions do; the tables hold sixteen numbers each.
+            let mixed = unsafe {
+                let first = _mm512_loadu_si512(first.as_ptr().cast());
+                let second = _mm512_loadu_si512(second.as_ptr().cast());
+                let mixed = _mm512_permutex2var_ps(r.0, first, g.0);
+                _mm512_permutex2var_ps(mixed, second, b.0)
+            };
+            Self(mixed).store(&mut to[16 * part..]);
+        }
+    }
 );
 
 impl Mask for Mask8 {

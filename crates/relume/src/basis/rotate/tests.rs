@@ -2,6 +2,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::basis::{Quadrature, evaluate, fixtures, project, sh};
+use crate::simd::Level;
 
 fn rotate(matrix: DMat3, c: &[f64]) -> Vec<f64> {
     let mut rotated = vec![f64::NAN; c.len()];
@@ -123,6 +124,69 @@ fn colours_rotate_as_their_channels() {
                     .all(|(a, &b)| a[channel] == b as f32)
             );
         }
+    }
+}
+
+/// Each of `vectors`, one by one in f64, and for each sum Σ|d||c| of the terms that make it.
+fn one_by_one(rotation: &Rotation, vectors: &[f32]) -> Vec<(f64, f64)> {
+    let count = rotation.order().count();
+    let mut all = Vec::new();
+    for vector in vectors.chunks(count) {
+        let vector: Vec<f64> = vector.iter().map(|&c| f64::from(c)).collect();
+        let mut rotated = vec![0.0; count];
+        rotation.apply(&vector, &mut rotated);
+        for l in rotation.order().degrees() {
+            let band = &vector[l * l..(l + 1) * (l + 1)];
+            let rows = rotation.band(l).chunks(2 * l + 1);
+            for (row, sum) in rows.zip(&rotated[l * l..]) {
+                let terms = row.iter().zip(band).map(|(d, c)| (d * c).abs());
+                all.push((*sum, terms.sum()));
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn many_vectors_rotate_as_one_by_one_and_alike_on_every_instruction_set() {
+    for n in 1..=32 {
+        let order = Order::new(n).unwrap();
+        // Not a multiple of any width, and for low orders several of the chunks that threads take.
+        let count = if n < 4 { 1203 } else { 37 };
+        let vectors: Vec<f32> = fixtures::coefficients(n as u64, count * order.count())
+            .iter()
+            .map(|&c| c as f32)
+            .collect();
+        let matrix = fixtures::rotations()[n % fixtures::rotations().len()];
+        let rotation = Rotation::new(order, matrix).unwrap();
+        let mut first = vec![f32::NAN; vectors.len()];
+        rotation.apply_many_with(Level::PORTABLE, &vectors, &mut first);
+        let expected = one_by_one(&rotation, &vectors);
+        for (i, (value, (exact, terms))) in first.iter().zip(expected).enumerate() {
+            let l = (i % order.count()).isqrt();
+            // 2l+1 products of a rounded entry, and as many additions: first order in 2⁻²⁴.
+            let bound = (2 * l + 4) as f64 * f64::from(f32::EPSILON) / 2.0 * terms;
+            let error = (f64::from(*value) - exact).abs();
+            assert!(
+                error <= bound,
+                "order {n}, number {i}: {error} over {bound}"
+            );
+        }
+        for &level in Level::here() {
+            let mut rotated = vec![f32::NAN; vectors.len()];
+            rotation.apply_many_with(level, &vectors, &mut rotated);
+            let same = |(a, b): (&f32, &f32)| a.to_bits() == b.to_bits();
+            assert!(rotated.iter().zip(&first).all(same), "{level}, order {n}");
+            // A vector does not depend on the others.
+            let last = vectors.len() - order.count();
+            let mut alone = vec![f32::NAN; order.count()];
+            rotation.apply_many_with(level, &vectors[last..], &mut alone);
+            assert!(
+                alone.iter().zip(&first[last..]).all(same),
+                "{level}, order {n}"
+            );
+        }
+        rotation.apply_many(&[], &mut []);
     }
 }
 

@@ -206,6 +206,82 @@ fn every_vertex_of_a_long_list_meets_its_own_vector() {
     }
 }
 
+/// The order of the sum that `kernel` promises, written out for one vector.
+fn sixteen_partial_sums(t: &[f32], l: &[f32]) -> f32 {
+    let mut lanes = [0.0f32; 16];
+    for (i, lane) in lanes.iter_mut().enumerate() {
+        let mut terms = (i..t.len()).step_by(16).map(|k| t[k] * l[k]);
+        let first = terms.next().unwrap_or(0.0);
+        *lane = terms.fold(first, |sum, term| sum + term);
+    }
+    for apart in [8, 4, 2, 1] {
+        for i in 0..apart {
+            lanes[i] += lanes[i + apart];
+        }
+    }
+    lanes[0]
+}
+
+#[test]
+fn every_instruction_set_thread_and_batch_gives_the_sum_in_the_order_promised() {
+    // Orders whose counts are below, at, between and above multiples of sixteen; more vertices than one chunk, and not a whole vector.
+    for (n, count) in [
+        (1, 1027),
+        (3, 1030),
+        (4, 1024),
+        (5, 1041),
+        (6, 20),
+        (8, 7),
+        (14, 17),
+    ] {
+        for channels in [1, 3] {
+            let order = Order::new(n).unwrap();
+            let number = |i: usize| ((i * 7919 + n) % 1013) as f32 / 371.0 - 1.3;
+            let transfer = Transfer {
+                channels,
+                coefficients: (0..count * channels * order.count()).map(number).collect(),
+                valid: vec![true; count],
+                ..unshadowed(order, &[])
+            };
+            let lights: Vec<ShLight> = (0..3)
+                .map(|k| {
+                    let of = |i: usize| [0, 1, 2].map(|c| number(31 * i + 17 * c + 5 * k) / 3.0);
+                    ShLight::new(order, (0..order.count()).map(of).collect())
+                })
+                .collect();
+            for &level in Level::here() {
+                let mut found = vec![vec![[f32::NAN; 3]; count]; 3];
+                let mut places: Vec<&mut [[f32; 3]]> =
+                    found.iter_mut().map(Vec::as_mut_slice).collect();
+                apply(
+                    level,
+                    &transfer,
+                    &transfer.coefficients,
+                    &lights,
+                    &mut places,
+                );
+                for (light, found) in lights.iter().zip(&found) {
+                    for (vertex, rgb) in found.iter().enumerate() {
+                        for (c, value) in rgb.iter().enumerate() {
+                            let plane: Vec<f32> =
+                                light.coefficients().iter().map(|rgb| rgb[c]).collect();
+                            let vector = transfer.vector(vertex, c % channels);
+                            let expected = sixteen_partial_sums(vector, &plane);
+                            assert_eq!(value.to_bits(), expected.to_bits(), "{level}, {n}");
+                        }
+                    }
+                }
+            }
+            let batch = transferred_radiance_batch(&transfer, &lights);
+            for (light, batch) in lights.iter().zip(&batch) {
+                let alone = IncidentLight::Distant(light.clone());
+                assert_eq!(&transferred_radiance(&transfer, &alone), batch);
+            }
+            assert!(transferred_radiance_batch(&transfer, &[]).is_empty());
+        }
+    }
+}
+
 proptest! {
     #[test]
     fn shading_is_linear_in_light(

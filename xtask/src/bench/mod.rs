@@ -1,5 +1,8 @@
 //! `cargo xtask bench [NAME]`: figures against other programs, on release builds. Nothing here passes or fails.
 
+mod kernels;
+mod table;
+
 use std::process::ExitCode;
 
 use crate::context::Context;
@@ -7,6 +10,7 @@ use crate::need::{Missing, Need, provide};
 use crate::options::Options;
 use crate::python::Environment;
 use crate::{process, step};
+use table::{Row, Table};
 
 /// Where Mitsuba is installed.
 static MITSUBA: Environment = Environment {
@@ -28,25 +32,49 @@ struct Bench {
     name: &'static str,
     what: &'static str,
     needs: &'static [Need],
-    run: fn(&Context, &[String]) -> Result<bool, String>,
+    run: fn(&Context, &[String]) -> Result<Figures, String>,
 }
 
-const BENCHES: &[Bench] = &[Bench {
-    name: "mitsuba",
-    what: "transfer vectors against Mitsuba 3, direct and bounced light",
-    needs: &[
-        Need::Shared(TOOL),
-        Need::Python,
-        Need::Environment(&MITSUBA),
-        Need::Library {
-            name: "LLVM 19",
-            debian: "libllvm19",
-            environment: &MITSUBA,
-            probe: LLVM_PROBE,
-        },
-    ],
-    run: mitsuba,
-}];
+/// What a bench leaves.
+enum Figures {
+    /// Rows for the table at the end.
+    Rows(Vec<Row>),
+    /// Text of its own, printed already.
+    Printed,
+    /// A program failed and has said why.
+    Failed,
+}
+
+const BENCHES: &[Bench] = &[
+    Bench {
+        name: "sh",
+        what: "evaluation of spherical harmonics against sphericart, f32, one thread",
+        needs: &[Need::Python, Need::Environment(&kernels::SPHERICART)],
+        run: kernels::sh,
+    },
+    Bench {
+        name: "shade",
+        what: "shading against the speed of reading memory, all threads",
+        needs: &[],
+        run: kernels::shade,
+    },
+    Bench {
+        name: "mitsuba",
+        what: "transfer vectors against Mitsuba 3, direct and bounced light",
+        needs: &[
+            Need::Shared(TOOL),
+            Need::Python,
+            Need::Environment(&MITSUBA),
+            Need::Library {
+                name: "LLVM 19",
+                debian: "libllvm19",
+                environment: &MITSUBA,
+                probe: LLVM_PROBE,
+            },
+        ],
+        run: mitsuba,
+    },
+];
 
 /// Runs the benches asked for; what follows `--` goes to the one named.
 pub fn run(context: &Context, options: &Options) -> Result<ExitCode, String> {
@@ -55,7 +83,7 @@ pub fn run(context: &Context, options: &Options) -> Result<ExitCode, String> {
     if !options.rest.is_empty() && options.only.len() != 1 {
         return Err("name the one bench that the arguments after -- are for".to_owned());
     }
-    let mut ok = true;
+    let (mut ok, mut rows) = (true, Vec::new());
     for bench in BENCHES.iter().filter(|bench| options.wants(bench.name)) {
         if options.list {
             step::describe(context, bench.name, bench.what, bench.needs);
@@ -63,7 +91,11 @@ pub fn run(context: &Context, options: &Options) -> Result<ExitCode, String> {
         }
         step::header(bench.name, bench.what);
         match provide(context, bench.needs, options.setup) {
-            Ok(()) => ok &= (bench.run)(context, &options.rest)?,
+            Ok(()) => match (bench.run)(context, &options.rest)? {
+                Figures::Rows(more) => rows.extend(more),
+                Figures::Printed => (),
+                Figures::Failed => ok = false,
+            },
             Err(Missing::Skip(why)) => println!("skipped: {}: {why}", bench.name),
             Err(Missing::Failed(why)) => {
                 println!("error: {}: {why}", bench.name);
@@ -71,12 +103,15 @@ pub fn run(context: &Context, options: &Options) -> Result<ExitCode, String> {
             }
         }
     }
+    if !rows.is_empty() {
+        print!("\n{}", Table(rows));
+    }
     Ok(ExitCode::from(u8::from(!ok)))
 }
 
-fn mitsuba(context: &Context, arguments: &[String]) -> Result<bool, String> {
+fn mitsuba(context: &Context, arguments: &[String]) -> Result<Figures, String> {
     if !process::succeeds(&mut context.cargo("build --release --locked -p relume-cli"))? {
-        return Ok(false);
+        return Ok(Figures::Failed);
     }
     let tool = context.shared(TOOL).ok_or("the tool has gone")?;
     let mut python = MITSUBA.python(context);
@@ -100,5 +135,9 @@ fn mitsuba(context: &Context, arguments: &[String]) -> Result<bool, String> {
         }
         python.args(["--mesh", "two-objects"]);
     }
-    process::succeeds(python.args(arguments))
+    Ok(if process::succeeds(python.args(arguments))? {
+        Figures::Printed
+    } else {
+        Figures::Failed
+    })
 }
