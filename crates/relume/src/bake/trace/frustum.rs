@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::simd::{Lanes, Mask};
 
-/// Four planes through the origin with the directions on their positive side.
+/// Four planes through the origin with the directions on their positive side. Planes without a normal have everything there.
 #[derive(Clone, Copy, Default)]
 pub struct Frustum([Plane; 4]);
 
@@ -21,23 +21,26 @@ const SPREAD: f32 = 0.3;
 const MARGIN: f32 = 4e-6;
 
 impl Frustum {
-    /// Around the directions whose bit is set in `used` (at least one); `None` where they point too many ways.
+    /// Around the directions whose bit is set in `used`; around everything where they point too many ways.
     #[inline(always)]
-    pub fn around<L: Lanes>([x, y, z]: [L; 3], used: u32) -> Option<Self> {
-        let middle = Vec3::new(sum(x, used), sum(y, used), sum(z, used)).try_normalize()?;
+    pub fn around<L: Lanes>([x, y, z]: [L; 3], used: u32) -> Self {
+        let sum = Vec3::new(sum(x, used), sum(y, used), sum(z, used));
+        let Some(middle) = sum.try_normalize() else {
+            return Self::default();
+        };
         let (a, b) = middle.any_orthonormal_pair();
         let ahead = along([x, y, z], middle);
         if ahead.below(L::splat(SPREAD)).bits() & used != 0 {
-            return None;
+            return Self::default();
         }
         let (low_a, high_a) = range(along([x, y, z], a).over(ahead), used);
         let (low_b, high_b) = range(along([x, y, z], b).over(ahead), used);
-        Some(Self([
+        Self([
             Plane::new(a - middle * (low_a - MARGIN)),
             Plane::new(middle * (high_a + MARGIN) - a),
             Plane::new(b - middle * (low_b - MARGIN)),
             Plane::new(middle * (high_b + MARGIN) - b),
-        ]))
+        ])
     }
 
     /// Which boxes it may reach: `bounds` are their least x, y, z and greatest x, y, z relative to the origin.

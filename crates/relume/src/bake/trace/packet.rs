@@ -47,11 +47,9 @@ pub struct Candidate<'a, L: Lanes> {
 }
 
 impl<L: Lanes, const G: usize> Packet<L, G> {
-    /// The rays from `first` on, as many as there are and `wanted` has bits set for.
-    ///
-    /// `None` where they point so many ways that they cannot travel together.
+    /// The rays from `first` on, as many as there are.
     #[inline(always)]
-    pub fn new(rays: &Rays, first: usize, wanted: u64) -> Option<Self> {
+    pub fn new(rays: &Rays, first: usize) -> Self {
         let mut packet = Self {
             groups: [Group::nothing(); G],
             triangles: [Hit::NONE; PACKET],
@@ -60,13 +58,13 @@ impl<L: Lanes, const G: usize> Packet<L, G> {
         for (g, group) in packet.groups.iter_mut().enumerate() {
             let start = first + g * L::COUNT;
             let used = rays.len().saturating_sub(start).min(L::COUNT);
-            let lanes = ((1_u64 << used) - 1) as u32 & (wanted >> (g * L::COUNT)) as u32;
-            if lanes != 0 {
-                *group = Group::new(rays, start, lanes)?;
+            if used > 0 {
+                let lanes = ((1_u64 << used) - 1) as u32;
+                *group = Group::new(rays, start, lanes);
                 packet.alive |= 1 << g;
             }
         }
-        Some(packet)
+        packet
     }
 
     /// Groups that still look for something.
@@ -182,7 +180,7 @@ impl<L: Lanes> Group<L> {
 
     /// The rays from `start` on whose bit is set in `alive`.
     #[inline(always)]
-    fn new(rays: &Rays, start: usize, alive: u32) -> Option<Self> {
+    fn new(rays: &Rays, start: usize, alive: u32) -> Self {
         let range = start..start + L::COUNT;
         let parts = [
             &rays.x[range.clone()],
@@ -190,7 +188,7 @@ impl<L: Lanes> Group<L> {
             &rays.z[range],
         ];
         let direction = [L::load(parts[0]), L::load(parts[1]), L::load(parts[2])];
-        let frustum = Frustum::around(direction, alive)?;
+        let frustum = Frustum::around(direction, alive);
         let (zero, tiny) = (L::splat(0.0), L::splat(1e-18));
         let mut octant = Some([false; 3]);
         let mut inverse = [zero; 3];
@@ -209,14 +207,14 @@ impl<L: Lanes> Group<L> {
                 octant = None;
             }
         }
-        Some(Self {
+        Self {
             frustum,
             direction,
             inverse,
             octant,
             alive,
             ..Self::nothing()
-        })
+        }
     }
 
     /// Whether any ray meets the box (relative to the origin) before what it has met.

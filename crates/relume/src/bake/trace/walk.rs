@@ -41,40 +41,19 @@ impl Kernel for Closest<'_> {
 
 impl Closest<'_> {
     #[inline(always)]
-    fn packets<L: Lanes, const G: usize>(mut self) {
-        let all = std::mem::take(&mut self.hits);
-        for (i, hits) in all.chunks_mut(PACKET).enumerate() {
-            let first = i * PACKET;
-            if let Some(packet) = Packet::<L, G>::new(self.rays, first, u64::MAX) {
-                self.cast(packet, first, u64::MAX, hits);
-                continue;
-            }
-            // They point too many ways to travel together.
-            for k in 0..hits.len() {
-                if let Some(packet) = Packet::<L, G>::new(self.rays, first, 1 << k) {
-                    self.cast(packet, first, 1 << k, hits);
-                }
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn cast<L: Lanes, const G: usize>(
-        &self,
-        mut packet: Packet<L, G>,
-        first: usize,
-        wanted: u64,
-        hits: &mut [Hit],
-    ) {
-        walk::<L, G, true>(self.tracer, self.tree, self.origin, &mut packet);
+    fn packets<L: Lanes, const G: usize>(self) {
         let mut distances = [0.0; PACKET];
-        packet.distances(&mut distances);
-        for (k, hit) in hits.iter_mut().enumerate() {
-            if wanted >> k & 1 != 0 {
+        for (i, hits) in self.hits.chunks_mut(PACKET).enumerate() {
+            let first = i * PACKET;
+            let mut packet = Packet::<L, G>::new(self.rays, first);
+            walk::<L, G, true>(self.tracer, self.tree, self.origin, &mut packet);
+            packet.distances(&mut distances);
+            for (k, hit) in hits.iter_mut().enumerate() {
                 let direction = self.rays.get(first + k);
+                let triangle = packet.triangles[k];
                 *hit = self
                     .tracer
-                    .hit(self.origin, direction, packet.triangles[k], distances[k]);
+                    .hit(self.origin, direction, triangle, distances[k]);
             }
         }
     }
@@ -96,19 +75,9 @@ impl Open<'_> {
     #[inline(always)]
     fn packets<L: Lanes, const G: usize>(self) {
         for (i, open) in self.open.iter_mut().enumerate() {
-            let first = i * PACKET;
-            if let Some(mut packet) = Packet::<L, G>::new(self.rays, first, u64::MAX) {
-                walk::<L, G, false>(self.tracer, self.tree, self.origin, &mut packet);
-                *open = packet.open();
-                continue;
-            }
-            *open = 0;
-            for k in 0..PACKET.min(self.rays.len() - first) {
-                if let Some(mut packet) = Packet::<L, G>::new(self.rays, first, 1 << k) {
-                    walk::<L, G, false>(self.tracer, self.tree, self.origin, &mut packet);
-                    *open |= packet.open();
-                }
-            }
+            let mut packet = Packet::<L, G>::new(self.rays, i * PACKET);
+            walk::<L, G, false>(self.tracer, self.tree, self.origin, &mut packet);
+            *open = packet.open();
         }
     }
 }
