@@ -6,7 +6,7 @@
 //! | file | what | in |
 //! |---|---|---|
 //! | `order` | how many coefficients an expansion has, and which is which | [`Order`], [`index`] |
-//! | `sh` | the basis functions in one direction or sixteen | [`sh::eval`], [`sh::Evaluator`] |
+//! | `sh` | the basis functions in one direction, sixteen or many | [`sh::eval`], [`sh::Evaluator`] |
 //! | `quadrature` | exact integration over the sphere | [`Quadrature`], [`gauss_legendre`] |
 //! | `project` | function → coefficients → function | [`project()`], [`project_samples`], [`evaluate`], [`evaluate_rgb`] |
 //! | `rotate` | rotation of an expansion by a matrix | [`Rotation`], [`turn`] |
