@@ -87,7 +87,8 @@ pub fn run(context: &Context) -> Result<Tally, String> {
     fs::create_dir_all(&folder).map_err(|error| at(&folder, &error))?;
     scene::write(&folder).map_err(|error| at(&folder, &error))?;
     // A copy: somebody may build another meanwhile.
-    let program = context.target.join("audit/relume-to-kill");
+    let name = format!("relume-to-kill{}", std::env::consts::EXE_SUFFIX);
+    let program = context.target.join("audit").join(name);
     let built = context.relume("debug");
     fs::copy(&built, &program).map_err(|error| at(&built, &error))?;
     let mut bake = Bake {
