@@ -3,9 +3,9 @@
 use std::fs;
 
 use super::bench::Bench;
+use super::disturb::{Random, copy, counted, killed, partial, recorded, there};
 #[cfg(unix)]
 use super::disturb::{caught, ended, signal};
-use super::disturb::{counted, killed, partial, recorded, there};
 use super::{LINE, finish, undisturbed};
 
 #[test]
@@ -130,6 +130,32 @@ fn a_checkpoint_that_goes_away_during_the_bake_is_noticed() {
     let reused = there(&bench);
     let (_, said) = bench.succeed(&format!("{LINE} --resume"));
     assert_eq!(counted(&said).unwrap().0, reused);
+}
+
+#[test]
+fn streams_of_garbage_cost_work_and_nothing_else() {
+    let bench = Bench::new();
+    let (expected, tiles) = undisturbed(&bench);
+    assert!(killed(&bench, LINE, || recorded(&bench, "bounce-1") > 2));
+    let saved = bench.path("saved");
+    copy(&partial(&bench), &saved);
+    for (seed, end) in [".journal", ".tiles"].into_iter().enumerate() {
+        let mut random = Random(seed as u64);
+        for entry in fs::read_dir(partial(&bench)).unwrap() {
+            let path = entry.unwrap().path();
+            if path.to_string_lossy().ends_with(end) {
+                let garbage: Vec<u8> = (0..5000).map(|_| random.below(256) as u8).collect();
+                fs::write(path, garbage).unwrap();
+            }
+        }
+        let (_, said) = bench.succeed(&format!("{LINE} --resume"));
+        assert_eq!(counted(&said), None, "{said}");
+        assert!(fs::read(bench.path("out.glb")).unwrap() == expected);
+        fs::remove_file(bench.path("out.glb")).unwrap();
+        copy(&saved, &partial(&bench));
+    }
+    fs::remove_dir_all(&saved).unwrap();
+    assert!(finish(&bench, "", &expected, tiles) > tiles);
 }
 
 /// Files may have so many bytes, of which the program is told when it writes more: like a full disk, without a disk of one's own.
