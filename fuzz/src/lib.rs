@@ -1,11 +1,15 @@
 //! What every input must hold: an error, or something whole.
 
+mod checkpoint;
+
 use std::collections::BTreeMap;
 
 use relume::asset;
 use relume::basis::Order;
 use relume::light::{EnvMap, Environment, HdrImage, LayoutChoice, LightFile, MAX_RADIANCE};
 use relume::scene::{ImportOptions, Scene, SceneError, SceneFormat, World, from_bytes};
+
+pub use checkpoint::checkpoint;
 
 /// Scenes and images larger than this are only read: what comes after takes its time.
 const SMALL: usize = 1 << 12;

@@ -8,7 +8,7 @@ use crate::need::Need;
 use crate::options::Options;
 use crate::step::{self, Step};
 use crate::tally::Tally;
-use crate::{fuzz, licence, process};
+use crate::{fuzz, kill, licence, process};
 
 macro_rules! platform {
     ($name:literal, $target:literal) => {
@@ -28,7 +28,7 @@ macro_rules! platform {
     };
 }
 
-/// Platforms that are only compiled for, then the dependencies, then the fuzzer.
+/// Platforms that are only compiled for, then the dependencies, then the fuzzer and bakes that are killed.
 pub const STEPS: &[Step] = &[
     platform!("windows-msvc", "x86_64-pc-windows-msvc"),
     platform!("windows-gnu", "x86_64-pc-windows-gnu"),
@@ -49,16 +49,26 @@ pub const STEPS: &[Step] = &[
         }],
         run: fuzz::run,
     },
+    Step {
+        name: "kill",
+        what: "a bake that is killed at any moment and resumed gives the same bytes",
+        needs: &[],
+        run: kill::run,
+    },
 ];
 
-/// Runs the steps asked for; what follows `--` is for the fuzzer.
+/// Runs the steps asked for; what follows `--` is for the one step named.
 pub fn run(mut context: Context, mut options: Options) -> Result<ExitCode, String> {
     let rest = std::mem::take(&mut options.rest);
     if !rest.is_empty() {
-        if options.only != ["fuzz"] {
-            return Err("only `audit fuzz` takes arguments after --".to_owned());
+        match options.only.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+            ["fuzz"] => context.fuzz_seconds = fuzz::seconds(&rest)?,
+            ["kill"] => context.kill = kill::Plan::parse(&rest)?,
+            _ => {
+                let takers = "only `audit fuzz` and `audit kill`, alone, take arguments after --";
+                return Err(takers.to_owned());
+            }
         }
-        context.fuzz_seconds = fuzz::seconds(&rest)?;
     }
     step::run_all(&context, STEPS, &options)
 }

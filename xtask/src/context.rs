@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::kill;
+
 /// The repository and its build folder.
 pub struct Context {
     /// The repository's root.
@@ -11,6 +13,8 @@ pub struct Context {
     pub target: PathBuf,
     /// How long each fuzz target runs.
     pub fuzz_seconds: u32,
+    /// How many bakes are killed, and how long they take.
+    pub kill: kill::Plan,
 }
 
 impl Context {
@@ -32,6 +36,7 @@ impl Context {
             root,
             target,
             fuzz_seconds: 60,
+            kill: kill::Plan::default(),
         })
     }
 

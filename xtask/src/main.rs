@@ -8,6 +8,7 @@ mod bench;
 mod context;
 mod docs;
 mod fuzz;
+mod kill;
 mod libtest;
 mod licence;
 mod need;
@@ -31,8 +32,9 @@ cargo xtask COMMAND [--setup] [--only NAME]... [--list]
 
 commands
   test          everything that must hold before a change lands; ends with `N passed, N failed, N skipped`
-  audit         other platforms, the licences of dependencies, the readers under a fuzzer;
-                `audit fuzz -- --seconds N` says for how long each [default: 60]
+  audit         other platforms, the licences of dependencies, the readers under a fuzzer, bakes that are killed;
+                `audit fuzz -- --seconds N` says for how long each [default: 60],
+                `audit kill -- --runs N --seconds S` how many bakes of how long [default: 2 of 20]
   bench [NAME]  figures against other programs; `bench NAME -- ARGUMENTS` hands the arguments on
 
 options

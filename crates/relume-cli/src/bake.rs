@@ -7,8 +7,9 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use relume::asset::{self, Asset};
-use relume::bake::checkpoint::{Checkpoint, Fingerprint};
-use relume::bake::{self, BakeOptions, Baked, Monitor};
+use relume::bake::checkpoint::{Checkpoint, CheckpointError, Fingerprint};
+use relume::bake::{self, BakeOptions, Baked, Monitor, Report};
+use relume::files;
 use relume::scene::{self, ImportOptions, Scene, World};
 
 use crate::args::{BakeArgs, MaxEdge, Samples};
@@ -34,18 +35,25 @@ pub fn run(args: &BakeArgs) -> Result<(), Failure> {
     let world = World::new(&scene);
     let options = options(args);
     options.check(&world)?;
-    let fingerprint = fingerprint(&world, &scene, &options);
-    if args.resume && is_finished(args, &fingerprint) {
-        eprintln!("{} is this bake, finished", shown(&args.output));
-        return Ok(());
+    let fingerprint = fingerprint(args, &world, &scene, &options);
+    if args.resume
+        && let Some(asset) = finished(args, &fingerprint)
+    {
+        return already(args, &asset, &fingerprint);
     }
-    let room = room::check(&scene, &world, &options, &args.output)?;
-    let options = BakeOptions {
-        operator_bytes: room,
-        ..options
-    };
+    let room = room::check(&scene, &world, &options, args)?;
     let checkpoint = Checkpoint::open(&partial(&args.output), &fingerprint, args.resume)?;
     interrupt::promise("go on with the same command and --resume");
+    // Nobody else bakes this output now.
+    files::remove_leftovers(&args.output)
+        .and_then(|()| files::remove_leftovers(&args.output.with_extension("bin")))
+        .map_err(|error| Failure::new(format!("{}: {error}", shown(&args.output))))?;
+    eprintln!("{}", room.said);
+    say_where_it_begins(args, &checkpoint);
+    let options = BakeOptions {
+        operator_bytes: room.operator,
+        ..options
+    };
     let start = Instant::now();
     let mut baked = bake_with_bar(&world, &options, Some(&checkpoint))?;
     let seconds = start.elapsed().as_secs_f64();
@@ -54,8 +62,12 @@ pub fn run(args: &BakeArgs) -> Result<(), Failure> {
         scene,
         transfer: baked.transfer,
     };
-    asset::write(&asset, &args.output)?;
-    let size = std::fs::metadata(&args.output).map_or(0, |file| file.len());
+    asset::write(&asset, &args.output).map_err(|error| {
+        Failure::new(format!(
+            "{error}; what is baked is kept: see to it, and bake again with --resume"
+        ))
+    })?;
+    let size = written_size(&args.output);
     eprintln!("wrote {} ({})", shown(&args.output), bytes(size));
     if args.json {
         json::print(&json::baked(
@@ -68,7 +80,34 @@ pub fn run(args: &BakeArgs) -> Result<(), Failure> {
     }
     // What is mapped from the checkpoint goes first.
     drop(asset);
-    Ok(checkpoint.remove()?)
+    if let Err(error) = checkpoint.remove() {
+        leftover(args, &error);
+    }
+    Ok(())
+}
+
+/// Tells that a checkpoint is there after the bake has succeeded.
+fn leftover(args: &BakeArgs, error: &CheckpointError) {
+    warn(&format!(
+        "{} is whole, but its checkpoint is still there: {error}",
+        shown(&args.output)
+    ));
+}
+
+/// Says whether an interrupted bake is taken up.
+fn say_where_it_begins(args: &BakeArgs, checkpoint: &Checkpoint) {
+    let folder = shown(checkpoint.folder());
+    if checkpoint.replaced() {
+        eprintln!(
+            "{folder}: an interrupted bake was there; this one starts afresh (--resume would have gone on with it, if it was the same)"
+        );
+    } else if args.resume && !checkpoint.resumed() {
+        eprintln!("{folder}: no interrupted bake is there; this one starts afresh");
+    }
+}
+
+fn written_size(output: &Path) -> u64 {
+    std::fs::metadata(output).map_or(0, |file| file.len())
 }
 
 /// The error that `--samples auto` asks for.
@@ -101,7 +140,12 @@ fn options(args: &BakeArgs) -> BakeOptions {
 }
 
 /// What the bytes of the asset depend on, named as on the command line.
-fn fingerprint(world: &World, scene: &Scene, options: &BakeOptions) -> Fingerprint {
+fn fingerprint(
+    args: &BakeArgs,
+    world: &World,
+    scene: &Scene,
+    options: &BakeOptions,
+) -> Fingerprint {
     let engine = match options.engine.is_reproducible() {
         true => "auto".to_owned(),
         false => options.engine.to_string(),
@@ -115,6 +159,11 @@ fn fingerprint(world: &World, scene: &Scene, options: &BakeOptions) -> Fingerpri
         ("--seed", options.seed.to_string()),
         ("--gather", options.gather.to_string()),
         ("--tracer", engine),
+        // The asset says whether it was given, even where all materials are like it anyway.
+        (
+            "--albedo",
+            args.albedo.map_or("none".to_owned(), |c| format!("{c:?}")),
+        ),
         ("tile", options.tile.to_string()),
         // Two sources may give one world: the asset carries the rest of them along.
         ("source", scene.source_hash.clone()),
@@ -122,11 +171,31 @@ fn fingerprint(world: &World, scene: &Scene, options: &BakeOptions) -> Fingerpri
     Fingerprint::new(world, &named)
 }
 
-/// Whether the output is what this bake would write, and nothing is left of an interrupted one.
-fn is_finished(args: &BakeArgs, fingerprint: &Fingerprint) -> bool {
+/// The output, if it is what this bake would write.
+fn finished(args: &BakeArgs, fingerprint: &Fingerprint) -> Option<Asset> {
     let this = Some(fingerprint.digest());
-    !partial(&args.output).exists()
-        && asset::read(&args.output).is_ok_and(|asset| asset.transfer.made.bake == this)
+    let asset = asset::read(&args.output).ok()?;
+    (asset.transfer.made.bake == this).then_some(asset)
+}
+
+/// What `--resume` does on a finished output: removes what a bake left that was killed after the output had been written.
+fn already(args: &BakeArgs, asset: &Asset, fingerprint: &Fingerprint) -> Result<(), Failure> {
+    let folder = partial(&args.output);
+    // A link that leads nowhere is there, too.
+    if folder.symlink_metadata().is_ok() {
+        let opened = Checkpoint::open(&folder, fingerprint, true);
+        match opened.and_then(Checkpoint::remove) {
+            Ok(()) => {}
+            Err(error @ CheckpointError::Locked { .. }) => return Err(error.into()),
+            Err(error) => leftover(args, &error),
+        }
+    }
+    eprintln!("{} is this bake, finished", shown(&args.output));
+    if args.json {
+        let (report, size) = (Report::default(), written_size(&args.output));
+        json::print(&json::baked(asset, &report, &args.output, size, 0.0));
+    }
+    Ok(())
 }
 
 /// Where a bake at work keeps what it has done.

@@ -5,7 +5,6 @@
 mod bench;
 
 use std::fs;
-use std::process::{Command, Stdio};
 
 use bench::Bench;
 
@@ -199,30 +198,4 @@ fn every_help_page_shows_examples() {
             "{verb} has no example"
         );
     }
-}
-
-#[cfg(unix)]
-#[test]
-fn an_interrupted_bake_exits_with_130_and_leaves_nothing() {
-    let bench = Bench::new();
-    let before = bench.names();
-    let mut child = bench
-        .command("bake scene.obj -o a.glb --samples 4000000 --max-edge 0.1 --bounces 8")
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    // The size is said right before the bake begins, long after Ctrl-C is listened for.
-    let mut said = String::new();
-    let mut lines = std::io::BufReader::new(child.stderr.take().unwrap());
-    while !said.contains("on disk") {
-        let read = std::io::BufRead::read_line(&mut lines, &mut said).unwrap();
-        assert!(read > 0, "the bake ended by itself: {said}");
-    }
-    let kill = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status()
-        .unwrap();
-    assert!(kill.success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
-    assert_eq!(bench.names(), before);
 }

@@ -14,6 +14,7 @@ mod arguments;
 mod assets;
 mod bytes;
 mod case;
+mod checkpoint;
 mod gltf;
 mod images;
 mod json;
@@ -30,7 +31,7 @@ use outcome::Bench;
 fn whatever_is_wrong_is_said_in_one_line_and_leaves_everything_as_it_was() {
     let bench = Bench::new();
     let made = bench.made();
-    let tables: [(&str, Vec<Case>); 10] = [
+    let tables: [(&str, Vec<Case>); 11] = [
         ("gltf", gltf::cases()),
         ("accessors", accessors::cases()),
         ("nodes", nodes::cases()),
@@ -41,7 +42,9 @@ fn whatever_is_wrong_is_said_in_one_line_and_leaves_everything_as_it_was() {
         ("json", json::cases()),
         ("assets", assets::cases(&made)),
         ("arguments", arguments::cases()),
+        ("checkpoint", checkpoint::cases()),
     ];
+    checkpoint::leave_seeds();
     let mut failures = Vec::new();
     let mut count = 0;
     for (table, cases) in &tables {

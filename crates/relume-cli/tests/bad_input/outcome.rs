@@ -155,15 +155,19 @@ fn program() -> Command {
     }
 }
 
-/// Every file by name, links as what they lead to are left out.
+/// Every file by name, also in folders; links as what they lead to are left out.
 fn contents(folder: &Path) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
-    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
-    entries
-        .map(|entry| {
-            let plain = entry.file_type().unwrap().is_file();
-            (entry.path(), plain.then(|| fs::read(entry.path()).unwrap()))
-        })
-        .collect()
+    let mut found = BTreeMap::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let entry = entry.unwrap();
+        let (path, kind) = (entry.path(), entry.file_type().unwrap());
+        if kind.is_dir() {
+            found.extend(contents(&path));
+        }
+        let bytes = kind.is_file().then(|| fs::read(&path).unwrap());
+        found.insert(path, bytes);
+    }
+    found
 }
 
 fn refused(ended: &Ended, part: &str) -> Result<(), String> {

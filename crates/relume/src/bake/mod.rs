@@ -36,3 +36,5 @@ pub use run::{Baked, bake};
 
 #[cfg(test)]
 mod tests;
+#[cfg(all(test, not(target_arch = "wasm32")))]
+mod tests_same_bytes;

@@ -40,10 +40,13 @@ pub enum Pass {
 }
 
 /// What each tile found besides its rows.
-pub enum Finds {
-    Memory(Vec<OnceLock<Vec<Found>>>),
+///
+/// Memory holds all of it, eight bytes a receiver, whether there is a checkpoint or not: what is there when a pass begins is there when it ends,
+/// whatever becomes of the files.
+pub struct Finds {
+    tiles: Vec<OnceLock<Vec<Found>>>,
     #[cfg(not(target_arch = "wasm32"))]
-    Disk(Stream),
+    stream: Option<Stream>,
 }
 
 /// The gather operator's rows, as many tiles as there is room for.
@@ -86,12 +89,30 @@ impl Store<'_> {
         })
     }
 
+    /// What was found in each of `tiles` tiles, as far as it is there already.
     pub fn found(&self, tiles: usize) -> Result<Finds, BakeError> {
+        let places: Vec<OnceLock<Vec<Found>>> = (0..tiles).map(|_| OnceLock::new()).collect();
         #[cfg(not(target_arch = "wasm32"))]
         if let Some(checkpoint) = self.checkpoint {
-            return Ok(Finds::Disk(checkpoint.blobs("found", tiles)?));
+            let stream = checkpoint.blobs("found", tiles)?;
+            let mut bytes = Vec::new();
+            for (tile, place) in places.iter().enumerate() {
+                if stream.get(tile, &mut bytes)?
+                    && let Some(found) = found_of(&bytes)
+                {
+                    let _ = place.set(found);
+                }
+            }
+            return Ok(Finds {
+                tiles: places,
+                stream: Some(stream),
+            });
         }
-        Ok(Finds::Memory((0..tiles).map(|_| OnceLock::new()).collect()))
+        Ok(Finds {
+            tiles: places,
+            #[cfg(not(target_arch = "wasm32"))]
+            stream: None,
+        })
     }
 
     /// Room for `bytes` of the operator.
@@ -157,58 +178,43 @@ impl Pass {
 impl Finds {
     /// Keeps what a tile found.
     pub fn put(&self, tile: usize, found: &[Found]) -> Result<(), BakeError> {
-        match self {
-            Self::Memory(places) => {
-                // A tile is worked on once.
-                let _ = places[tile].set(found.to_vec());
-            }
-            #[cfg(not(target_arch = "wasm32"))]
-            Self::Disk(stream) => {
-                let words = found
-                    .iter()
-                    .flat_map(|found| [found.samples, u32::from(found.buried)]);
-                stream.put(tile, &words.flat_map(u32::to_le_bytes).collect::<Vec<u8>>())?;
-            }
+        // A tile that is worked on again, because its rows were lost, finds the same.
+        let _ = self.tiles[tile].set(found.to_vec());
+        #[cfg(not(target_arch = "wasm32"))]
+        if let Some(stream) = &self.stream {
+            let words = found
+                .iter()
+                .flat_map(|found| [found.samples, u32::from(found.buried)]);
+            stream.put(tile, &words.flat_map(u32::to_le_bytes).collect::<Vec<u8>>())?;
         }
         Ok(())
     }
 
     /// Whether a tile's are there.
     pub fn has(&self, tile: usize) -> bool {
-        match self {
-            Self::Memory(places) => places[tile].get().is_some(),
-            #[cfg(not(target_arch = "wasm32"))]
-            Self::Disk(stream) => stream.has(tile),
-        }
+        self.tiles[tile].get().is_some()
     }
 
     /// What all tiles found, in order.
     pub fn all(&self, tiles: usize) -> Result<Vec<Found>, BakeError> {
-        let mut all = Vec::new();
-        for tile in 0..tiles {
-            match self {
-                Self::Memory(places) => {
-                    all.extend_from_slice(places[tile].get().map_or(&[], Vec::as_slice))
-                }
-                #[cfg(not(target_arch = "wasm32"))]
-                Self::Disk(stream) => {
-                    let mut bytes = Vec::new();
-                    stream.get(tile, &mut bytes)?;
-                    let (words, _) = bytes.as_chunks::<8>();
-                    all.extend(words.iter().map(|word| {
-                        let [a, b] = [0, 4].map(|at| {
-                            u32::from_le_bytes([word[at], word[at + 1], word[at + 2], word[at + 3]])
-                        });
-                        Found {
-                            samples: a,
-                            buried: b != 0,
-                        }
-                    }));
-                }
-            }
-        }
-        Ok(all)
+        let found = self.tiles[..tiles].iter();
+        Ok(found.filter_map(OnceLock::get).flatten().copied().collect())
     }
+}
+
+/// What [`Finds::put`] wrote; `None` where that cannot be.
+#[cfg(not(target_arch = "wasm32"))]
+fn found_of(bytes: &[u8]) -> Option<Vec<Found>> {
+    let (words, rest) = bytes.as_chunks::<4>();
+    let (pairs, odd) = words.as_chunks::<2>();
+    let found = pairs
+        .iter()
+        .map(|pair| pair.map(u32::from_le_bytes))
+        .map(|[samples, buried]| Found {
+            samples,
+            buried: buried != 0,
+        });
+    (rest.is_empty() && odd.is_empty()).then(|| found.collect())
 }
 
 impl Kept {

@@ -1,6 +1,7 @@
 //! Writing files whole or not at all, and numbers that live in memory or in a file.
 
 mod rows;
+mod temporary;
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -8,6 +9,7 @@ use std::path::Path;
 use std::sync::{PoisonError, RwLock};
 
 pub use rows::{Rows, le_bytes, le_words};
+pub use temporary::{leftovers, remove_leftovers};
 
 /// Held for reading while a file is being written.
 static WRITING: RwLock<()> = RwLock::new(());
@@ -53,19 +55,7 @@ fn temporary<T>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<T>,
 ) -> io::Result<(T, tempfile::NamedTempFile)> {
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".relume-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // The umask still applies, as for any file a program creates.
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let temporary = builder.tempfile_in(folder)?;
+    let temporary = temporary::make(path)?;
     let mut writer = BufWriter::with_capacity(1 << 20, temporary.as_file());
     let result = write(&mut writer)?;
     writer.flush()?;

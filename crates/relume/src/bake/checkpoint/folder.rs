@@ -93,8 +93,12 @@ pub fn survey(folder: &Path) -> Result<Survey, CheckpointError> {
         folder: shown(folder),
         what,
     };
-    if fs::metadata(folder).is_ok_and(|there| !there.is_dir()) {
-        return Err(foreign("but a file".to_owned()));
+    match fs::metadata(folder) {
+        Ok(there) if !there.is_dir() => return Err(foreign("but a file".to_owned())),
+        Err(_) if fs::symlink_metadata(folder).is_ok_and(|there| there.is_symlink()) => {
+            return Err(foreign("but a link that leads nowhere".to_owned()));
+        }
+        _ => {}
     }
     let look = failed(folder, "look into it");
     let mut files = Vec::new();
@@ -163,11 +167,16 @@ fn read_header(path: &Path) -> io::Result<Vec<u8>> {
 
 /// Removes the files of an older bake.
 pub fn clear(folder: &Path, files: &[PathBuf]) -> Result<(), CheckpointError> {
-    for file in files {
-        fs::remove_file(file).map_err(failed(file, "remove it"))?;
-    }
+    files.iter().try_for_each(|file| remove_file(file))?;
     sync(folder);
     Ok(())
+}
+
+fn remove_file(path: &Path) -> Result<(), CheckpointError> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+        result => result.map_err(failed(path, "remove it")),
+    }
 }
 
 /// Writes the header, and has it on the disk before anything else.
@@ -190,16 +199,21 @@ fn sync(folder: &Path) {
 }
 
 /// Takes the folder away: the lock last, and before it the header, without which the rest would be foreign.
+///
+/// Somebody else may be at it as well: what is gone already need not be removed.
 pub fn remove(folder: &Path) -> Result<(), CheckpointError> {
+    if fs::symlink_metadata(folder).is_err_and(|error| error.kind() == ErrorKind::NotFound) {
+        return Ok(());
+    }
     let found = survey(folder)?;
     clear(folder, &found.files)?;
     for name in [HEADER, LOCK] {
-        let path = folder.join(name);
-        fs::remove_file(&path).map_err(failed(&path, "remove it"))?;
+        remove_file(&folder.join(name))?;
     }
     match fs::remove_dir(folder) {
         // Litter may stay.
         Err(error) if error.kind() == ErrorKind::DirectoryNotEmpty => Ok(()),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
         result => result.map_err(failed(folder, "remove it")),
     }
 }

@@ -34,6 +34,7 @@ use journal::Layout;
 pub struct Checkpoint {
     shared: Arc<Shared>,
     resumed: bool,
+    replaced: bool,
 }
 
 /// What streams need of their checkpoint. The lock lasts until the last stream, and the last rows mapped from one, are gone.
@@ -66,6 +67,7 @@ impl Checkpoint {
         let header = fingerprint.header();
         let found = folder::survey(folder)?;
         let resumed = resume && found.header.is_some();
+        let replaced = !resume && found.header.is_some();
         match found.header {
             Some(old) if resume => fingerprint.check(folder, &old)?,
             _ => {
@@ -82,12 +84,18 @@ impl Checkpoint {
         Ok(Self {
             shared: Arc::new(shared),
             resumed,
+            replaced,
         })
     }
 
     /// Whether there was something to take up.
     pub fn resumed(&self) -> bool {
         self.resumed
+    }
+
+    /// Whether there was something to take up, but `resume` was not set: it is gone.
+    pub fn replaced(&self) -> bool {
+        self.replaced
     }
 
     /// The folder.
@@ -140,7 +148,8 @@ impl Checkpoint {
         Stream::open(&self.shared, name, Layout::Blobs { tiles })
     }
 
-    /// Takes the folder away: the asset is written, and nobody needs it any more. Drop streams, and rows mapped from them, before.
+    /// Takes the folder away: the asset is written, and nobody needs it any more. Drop streams, and rows mapped from them, before. That it is gone
+    /// already is no error.
     pub fn remove(self) -> Result<(), CheckpointError> {
         folder::remove(&self.shared.folder)
     }

@@ -71,14 +71,8 @@ impl Stream {
             grow(&tiles, total).map_err(failed(&tiles_path, "make it"))?;
         }
         let journal = open(&journal_path)?;
-        let whole = begin(&journal, &journal::header(&shared.identity, layout))
+        let forgotten = begin(&journal, &journal::header(&shared.identity, layout))
             .map_err(failed(&journal_path, "begin it"))?;
-        if !whole {
-            return Err(CheckpointError::Damaged {
-                folder: shown(&shared.folder),
-                what: format!("{name}.{JOURNAL} is not of this bake"),
-            });
-        }
         let read = |error| failed(&tiles_path, "read it")(error);
         let tiles_end = tiles.metadata().map_err(read)?.len();
         let mut found =
@@ -97,7 +91,7 @@ impl Stream {
             journal,
             synced: Mutex::new(Instant::now()),
             reused,
-            dropped: found.bad + lost,
+            dropped: forgotten + found.bad + lost,
             state: Mutex::new(State {
                 missing: found.records.len() - reused,
                 records: found.records,
@@ -211,7 +205,11 @@ impl Stream {
             return Ok(false);
         };
         // The length has been held against the file, and what lies there against its hash.
-        into.resize(record.length as usize, 0);
+        let length = record.length as usize;
+        if into.try_reserve_exact(length).is_err() {
+            return Ok(false);
+        }
+        into.resize(length, 0);
         let read = at::read(&self.tiles, into, record.offset);
         match read {
             Err(error) if error.kind() != io::ErrorKind::UnexpectedEof => {
@@ -323,15 +321,22 @@ fn grow(file: &File, length: u64) -> io::Result<()> {
     Ok(())
 }
 
-/// Writes the header of a new journal; false if another one stands there.
-fn begin(journal: &File, header: &[u8]) -> io::Result<bool> {
-    let mut found = vec![0; header.len()];
-    if journal.metadata()?.len() < header.len() as u64 {
-        at::write(journal, header, 0)?;
-        return Ok(true);
+/// Writes the header of a new journal. One that is not of this bake, or whose header a power loss has spoilt, is emptied: nothing that it says
+/// can be trusted. Returns how many records were lost with it.
+fn begin(journal: &File, header: &[u8]) -> io::Result<usize> {
+    let length = journal.metadata()?.len();
+    let mut lost = 0;
+    if length >= header.len() as u64 {
+        let mut found = vec![0; header.len()];
+        at::read(journal, &mut found, 0)?;
+        if found == header {
+            return Ok(0);
+        }
+        lost = (length - journal::HEADER) / journal::RECORD;
     }
-    at::read(journal, &mut found, 0)?;
-    Ok(found == header)
+    journal.set_len(0)?;
+    at::write(journal, header, 0)?;
+    Ok(lost as usize)
 }
 
 /// Forgets the records whose data do not match; returns their number.
