@@ -21,17 +21,7 @@ use crate::{interrupt, json};
 pub fn run(args: &BakeArgs) -> Result<(), Failure> {
     check_extension(&args.output, &["glb"])?;
     check_output(&args.output, &[&args.scene])?;
-    let scene = scene::load(
-        &args.scene,
-        &ImportOptions {
-            albedo: args.albedo,
-        },
-    )?;
-    scene
-        .warnings
-        .iter()
-        .for_each(|warning| warn(&format!("{}: {warning}", shown(&args.scene))));
-    let scene = tessellated(scene, args)?;
+    let scene = tessellated(loaded(args)?, args)?;
     let world = World::new(&scene);
     let options = options(args);
     options.check(&world)?;
@@ -84,6 +74,19 @@ pub fn run(args: &BakeArgs) -> Result<(), Failure> {
         leftover(args, &error);
     }
     Ok(())
+}
+
+/// The scene, and what was repaired in it, said.
+fn loaded(args: &BakeArgs) -> Result<Scene, Failure> {
+    let options = ImportOptions {
+        albedo: args.albedo,
+    };
+    let scene = scene::load(&args.scene, &options)?;
+    scene
+        .warnings
+        .iter()
+        .for_each(|warning| warn(&format!("{}: {warning}", shown(&args.scene))));
+    Ok(scene)
 }
 
 /// Tells that a checkpoint is there after the bake has succeeded.

@@ -39,7 +39,7 @@ pub fn shade<'py>(
         samples: 0,
         seed: 0,
         made: Provenance::default(),
-        coefficients: transfer.as_slice()?.to_vec(),
+        coefficients: transfer.as_slice()?.to_vec().into(),
         valid: vec![true; vertices],
         back: None,
         gather: None,

@@ -120,6 +120,71 @@ unsafe impl Send for Embree {}
 // SAFETY: as above.
 unsafe impl Sync for Embree {}
 
+/// What a scene is made with.
+struct SetUp {
+    new_device: unsafe extern "C" fn(*const c_char) -> Handle,
+    new_scene: unsafe extern "C" fn(Handle) -> Handle,
+    new_geometry: unsafe extern "C" fn(Handle, c_int) -> Handle,
+    set_buffer: SetBuffer,
+    attach: unsafe extern "C" fn(Handle, Handle) -> u32,
+    commit_geometry: unsafe extern "C" fn(Handle),
+    release_geometry: unsafe extern "C" fn(Handle),
+    commit_scene: unsafe extern "C" fn(Handle),
+    set_flags: unsafe extern "C" fn(Handle, c_int),
+    set_quality: unsafe extern "C" fn(Handle, c_int),
+    get_error: unsafe extern "C" fn(Handle) -> c_int,
+}
+
+/// Geometry, kind, slot, format, memory, offset, stride, count.
+type SetBuffer =
+    unsafe extern "C" fn(Handle, c_int, u32, c_int, *const c_void, usize, usize, usize);
+
+impl SetUp {
+    /// # Safety
+    /// `library` is Embree 4.
+    unsafe fn of(library: &Library) -> Result<Self, EmbreeError> {
+        // SAFETY: promised by the caller; the signatures are those of Embree 4's rtcore headers.
+        unsafe {
+            Ok(Self {
+                new_device: symbol(library, "rtcNewDevice")?,
+                new_scene: symbol(library, "rtcNewScene")?,
+                new_geometry: symbol(library, "rtcNewGeometry")?,
+                set_buffer: symbol(library, "rtcSetSharedGeometryBuffer")?,
+                attach: symbol(library, "rtcAttachGeometry")?,
+                commit_geometry: symbol(library, "rtcCommitGeometry")?,
+                release_geometry: symbol(library, "rtcReleaseGeometry")?,
+                commit_scene: symbol(library, "rtcCommitScene")?,
+                set_flags: symbol(library, "rtcSetSceneFlags")?,
+                set_quality: symbol(library, "rtcSetSceneBuildQuality")?,
+                get_error: symbol(library, "rtcGetDeviceError")?,
+            })
+        }
+    }
+
+    /// Puts all triangles into the new scene, and builds it.
+    ///
+    /// # Safety
+    /// `new` holds a device and a scene of this library.
+    unsafe fn fill(&self, new: &Embree) {
+        let (positions, triangles) = (&new._positions, &new._triangles);
+        let (vertices, indices) = (positions.as_ptr().cast(), triangles.as_ptr().cast());
+        // One position is there only to be looked past.
+        let (vertex_count, triangle_count) = (positions.len() - 1, triangles.len());
+        // SAFETY: promised by the caller; the buffers are as long as said and live as long as the scene.
+        unsafe {
+            (self.set_flags)(new.scene, ROBUST);
+            (self.set_quality)(new.scene, HIGH_QUALITY);
+            let geometry = (self.new_geometry)(new.device, TRIANGLES);
+            (self.set_buffer)(geometry, VERTICES, 0, FLOAT3, vertices, 0, 12, vertex_count);
+            (self.set_buffer)(geometry, INDICES, 0, UINT3, indices, 0, 12, triangle_count);
+            (self.commit_geometry)(geometry);
+            (self.attach)(new.scene, geometry);
+            (self.release_geometry)(geometry);
+            (self.commit_scene)(new.scene);
+        }
+    }
+}
+
 impl Embree {
     /// A robust scene of high quality over all triangles of `world`; `path` is absolute, or `None` for the system's own.
     pub fn new(world: &World, path: Option<&Path>) -> Result<Self, EmbreeError> {
@@ -142,82 +207,26 @@ impl Embree {
         positions: Vec<[f32; 3]>,
         triangles: Vec<[u32; 3]>,
     ) -> Result<Self, EmbreeError> {
-        type New = unsafe extern "C" fn(Handle) -> Handle;
-        type NewGeometry = unsafe extern "C" fn(Handle, c_int) -> Handle;
-        type Release = unsafe extern "C" fn(Handle);
-        type SetFlags = unsafe extern "C" fn(Handle, c_int);
-        type SetBuffer =
-            unsafe extern "C" fn(Handle, c_int, u32, c_int, *const c_void, usize, usize, usize);
-        type Attach = unsafe extern "C" fn(Handle, Handle) -> u32;
-        type GetError = unsafe extern "C" fn(Handle) -> c_int;
         // SAFETY: promised by the caller; buffers outlive the scene because `Self` keeps both.
         unsafe {
-            let new_device: unsafe extern "C" fn(*const c_char) -> Handle =
-                symbol(&library, "rtcNewDevice")?;
-            let new_scene: New = symbol(&library, "rtcNewScene")?;
-            let release_scene: Release = symbol(&library, "rtcReleaseScene")?;
-            let release_device: Release = symbol(&library, "rtcReleaseDevice")?;
-            let occluded = symbol(&library, "rtcOccluded16")?;
-            let intersect = symbol(&library, "rtcIntersect16")?;
-            let new_geometry: NewGeometry = symbol(&library, "rtcNewGeometry")?;
-            let set_buffer: SetBuffer = symbol(&library, "rtcSetSharedGeometryBuffer")?;
-            let attach: Attach = symbol(&library, "rtcAttachGeometry")?;
-            let [commit_geometry, release_geometry, commit_scene]: [Release; 3] = [
-                symbol(&library, "rtcCommitGeometry")?,
-                symbol(&library, "rtcReleaseGeometry")?,
-                symbol(&library, "rtcCommitScene")?,
-            ];
-            let [set_flags, set_quality]: [SetFlags; 2] = [
-                symbol(&library, "rtcSetSceneFlags")?,
-                symbol(&library, "rtcSetSceneBuildQuality")?,
-            ];
-            let get_error: GetError = symbol(&library, "rtcGetDeviceError")?;
-
-            let device = new_device(std::ptr::null());
+            let set_up = SetUp::of(&library)?;
+            let device = (set_up.new_device)(std::ptr::null());
             if device.is_null() {
-                return Err(EmbreeError::Failed(get_error(device)));
+                return Err(EmbreeError::Failed((set_up.get_error)(device)));
             }
-            let scene = new_scene(device);
             let built = Self {
-                scene,
+                scene: (set_up.new_scene)(device),
                 device,
-                occluded,
-                intersect,
-                release_scene,
-                release_device,
+                occluded: symbol(&library, "rtcOccluded16")?,
+                intersect: symbol(&library, "rtcIntersect16")?,
+                release_scene: symbol(&library, "rtcReleaseScene")?,
+                release_device: symbol(&library, "rtcReleaseDevice")?,
                 _positions: positions,
                 _triangles: triangles,
                 _library: library,
             };
-            set_flags(scene, ROBUST);
-            set_quality(scene, HIGH_QUALITY);
-            let geometry = new_geometry(device, TRIANGLES);
-            let (positions, triangles) = (&built._positions, &built._triangles);
-            set_buffer(
-                geometry,
-                VERTICES,
-                0,
-                FLOAT3,
-                positions.as_ptr().cast(),
-                0,
-                12,
-                positions.len() - 1,
-            );
-            set_buffer(
-                geometry,
-                INDICES,
-                0,
-                UINT3,
-                triangles.as_ptr().cast(),
-                0,
-                12,
-                triangles.len(),
-            );
-            commit_geometry(geometry);
-            attach(scene, geometry);
-            release_geometry(geometry);
-            commit_scene(scene);
-            match get_error(device) {
+            set_up.fill(&built);
+            match (set_up.get_error)(device) {
                 0 => Ok(built),
                 error => Err(EmbreeError::Failed(error)),
             }
@@ -237,7 +246,7 @@ impl Embree {
                     self.scene,
                     &raw mut packet,
                     &mut arguments(),
-                )
+                );
             };
             for (lane, (&far, &valid)) in packet.far.iter().zip(&valid).enumerate() {
                 let sees = valid != 0 && far >= 0.0;
@@ -269,7 +278,7 @@ impl Embree {
                     self.scene,
                     &raw mut packet,
                     &mut arguments(),
-                )
+                );
             };
             for lane in 0..WIDTH.min(rays.len() - start) {
                 found(

@@ -74,8 +74,8 @@ impl Shapes {
         self.edge::<L>(0, b, c, sign);
         self.edge::<L>(1, c, a, sign);
         self.edge::<L>(2, a, b, sign);
-        for axis in 0..3 {
-            (normal[axis] * sign).store(&mut self.normal[axis]);
+        for (component, place) in normal.into_iter().zip(&mut self.normal) {
+            (component * sign).store(place);
         }
         height.store(&mut self.height);
         useful
@@ -86,8 +86,8 @@ impl Shapes {
     fn edge<L: Lanes>(&mut self, edge: usize, p: [L; 3], q: [L; 3], sign: L) {
         let (along, across) = (minus(p, q), [p[0] + q[0], p[1] + q[1], p[2] + q[2]]);
         let vector = cross(along, across);
-        for axis in 0..3 {
-            (vector[axis] * sign).store(&mut self.edges[edge][axis]);
+        for (component, place) in vector.into_iter().zip(&mut self.edges[edge]) {
+            (component * sign).store(place);
         }
         (L::splat(DOUBT) * size(along) * size(across)).store(&mut self.doubts[edge]);
     }

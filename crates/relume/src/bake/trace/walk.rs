@@ -159,19 +159,7 @@ fn push_children<L: Lanes, const G: usize, const CLOSEST: bool>(
     stack: &mut [Visit],
     mut depth: usize,
 ) -> usize {
-    let bounds = &tree.boxes[node * 6 * L::COUNT..][..6 * L::COUNT];
-    let [x, y, z] = [L::splat(origin.x), L::splat(origin.y), L::splat(origin.z)];
-    let zero = L::splat(0.0);
-    let relative = [
-        vector::<L>(bounds, 0) - x,
-        vector::<L>(bounds, 1) - y,
-        vector::<L>(bounds, 2) - z,
-        vector::<L>(bounds, 3) - x,
-        vector::<L>(bounds, 4) - y,
-        vector::<L>(bounds, 5) - z,
-        zero,
-        zero,
-    ];
+    let relative = relative_boxes::<L>(tree.node(node), origin);
     let used = (1_u32 << tree.counts[node]) - 1;
     let mut reached = [0_u32; G];
     let mut any = 0;
@@ -183,11 +171,7 @@ fn push_children<L: Lanes, const G: usize, const CLOSEST: bool>(
     if any == 0 {
         return depth;
     }
-    let outside_x = relative[0].most(zero - relative[3]).most(zero);
-    let outside_y = relative[1].most(zero - relative[4]).most(zero);
-    let outside_z = relative[2].most(zero - relative[5]).most(zero);
-    let mut distances = [0.0; 16];
-    (outside_x * outside_x + outside_y * outside_y + outside_z * outside_z).store(&mut distances);
+    let distances = squared_distances(&relative);
     let children = &tree.children[node * L::COUNT..][..L::COUNT];
     let mut planes = [[0.0; 16]; 6];
     for (plane, vector) in planes.iter_mut().zip(&relative) {
@@ -222,6 +206,35 @@ fn push_children<L: Lanes, const G: usize, const CLOSEST: bool>(
         tree.prefetch::<L>(visit.child);
     }
     depth
+}
+
+/// The least x, y, z and the greatest of a node's boxes, relative to the origin; two more fill up a power of two.
+#[inline(always)]
+fn relative_boxes<L: Lanes>(bounds: &[f32], origin: Vec3) -> [L; 8] {
+    let [x, y, z] = [L::splat(origin.x), L::splat(origin.y), L::splat(origin.z)];
+    let zero = L::splat(0.0);
+    [
+        vector::<L>(bounds, 0) - x,
+        vector::<L>(bounds, 1) - y,
+        vector::<L>(bounds, 2) - z,
+        vector::<L>(bounds, 3) - x,
+        vector::<L>(bounds, 4) - y,
+        vector::<L>(bounds, 5) - z,
+        zero,
+        zero,
+    ]
+}
+
+/// From the origin to each box.
+#[inline(always)]
+fn squared_distances<L: Lanes>(relative: &[L; 8]) -> [f32; 16] {
+    let zero = L::splat(0.0);
+    let x = relative[0].most(zero - relative[3]).most(zero);
+    let y = relative[1].most(zero - relative[4]).most(zero);
+    let z = relative[2].most(zero - relative[5]).most(zero);
+    let mut distances = [0.0; 16];
+    (x * x + y * y + z * z).store(&mut distances);
+    distances
 }
 
 /// The `k`-th vector of a node or leaf.
