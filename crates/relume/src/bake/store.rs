@@ -71,6 +71,8 @@ impl Store<'_> {
         tile: usize,
         stride: usize,
     ) -> Result<Pass, BakeError> {
+        // A tile may be larger than all there is.
+        let tile = tile.min(receivers.max(1));
         let (values, tile_values) = (receivers * stride, tile * stride);
         #[cfg(not(target_arch = "wasm32"))]
         if let Some(checkpoint) = self.checkpoint {
