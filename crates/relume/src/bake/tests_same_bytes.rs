@@ -116,7 +116,7 @@ fn neither_tiles_nor_room_nor_a_checkpoint_change_a_bit() {
                 u64::MAX => assert_eq!(report.traced_again, 0),
                 _ => {
                     had_room_for_some |=
-                        (1..of_a_pass).contains(&(report.traced_again / u64::from(BOUNCES)))
+                        (1..of_a_pass).contains(&(report.traced_again / u64::from(BOUNCES)));
                 }
             }
             let folder = tempfile::tempdir().unwrap();
@@ -179,7 +179,7 @@ fn a_bake_cancelled_again_and_again_comes_to_the_same_bytes() {
 type Damage = fn(&mut Vec<u8>);
 const DAMAGES: [(&str, Damage); 5] = [
     ("every 97th byte changed", |bytes| {
-        bytes.iter_mut().step_by(97).for_each(|byte| *byte ^= 0x40)
+        bytes.iter_mut().step_by(97).for_each(|byte| *byte ^= 0x40);
     }),
     ("a byte in the middle changed", |bytes| {
         let middle = bytes.len() / 2;
