@@ -11,6 +11,7 @@ use super::BakeError;
 use super::checkpoint::{Checkpoint, Stream};
 use super::gather::{Found, Stage};
 use super::operator::Rows as OperatorRows;
+#[cfg(not(target_arch = "wasm32"))]
 use super::passes::each_tile;
 use crate::files::Rows;
 #[cfg(not(target_arch = "wasm32"))]
@@ -248,7 +249,10 @@ impl Kept {
         stage: &Stage,
     ) -> Result<Option<Cow<'_, OperatorRows>>, BakeError> {
         match &self.place {
-            KeptIn::Memory(places) => Ok(places[tile].get().map(Cow::Borrowed)),
+            KeptIn::Memory(places) => {
+                let _ = stage;
+                Ok(places[tile].get().map(Cow::Borrowed))
+            }
             #[cfg(not(target_arch = "wasm32"))]
             KeptIn::Disk(stream) => {
                 let mut bytes = Vec::new();
