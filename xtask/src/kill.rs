@@ -4,6 +4,7 @@
 //! Moments are drawn by phase, so that short phases are hit as often as long ones: so many tiles of a pass are there, so many bytes of the asset
 //! are written, the asset is there and its checkpoint goes. What phase a blow has hit is read from what it left.
 
+mod random;
 mod scene;
 mod trace;
 
@@ -16,6 +17,7 @@ use crate::context::Context;
 use crate::process;
 use crate::tally::Tally;
 
+use random::Random;
 use trace::{OUTPUT, Phase, Traces};
 
 /// Interreflections of the bakes.
@@ -350,28 +352,6 @@ fn read(path: &Path) -> Result<String, String> {
 
 fn at(path: &Path, error: &std::io::Error) -> String {
     format!("{}: {error}", path.display())
-}
-
-/// SplitMix64 [steele2014]: the same moments every time.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, end: u64) -> u64 {
-        self.next() % end
-    }
-
-    /// In [0, 1).
-    fn fraction(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ use crate::{interrupt, json};
 pub fn run(args: &BakeArgs) -> Result<(), Failure> {
     check_extension(&args.output, &["glb"])?;
     check_output(&args.output, &[&args.scene])?;
-    let scene = tessellated(loaded(args)?, args)?;
+    let scene = loaded(args)?;
     let world = World::new(&scene);
     let options = options(args);
     options.check(&world)?;
@@ -34,10 +34,10 @@ pub fn run(args: &BakeArgs) -> Result<(), Failure> {
     let room = room::check(&scene, &world, &options, args)?;
     let checkpoint = Checkpoint::open(&partial(&args.output), &fingerprint, args.resume)?;
     interrupt::promise("go on with the same command and --resume");
-    // Nobody else bakes this output now.
-    files::remove_leftovers(&args.output)
-        .and_then(|()| files::remove_leftovers(&args.output.with_extension("bin")))
-        .map_err(|error| Failure::new(format!("{}: {error}", shown(&args.output))))?;
+    // Nobody else bakes this output now. Where its folder cannot be read, they stay.
+    for output in [&args.output, &args.output.with_extension("bin")] {
+        let _ = files::remove_leftovers(output);
+    }
     eprintln!("{}", room.said);
     say_where_it_begins(args, &checkpoint);
     let options = BakeOptions {
@@ -52,22 +52,7 @@ pub fn run(args: &BakeArgs) -> Result<(), Failure> {
         scene,
         transfer: baked.transfer,
     };
-    asset::write(&asset, &args.output).map_err(|error| {
-        Failure::new(format!(
-            "{error}; what is baked is kept: see to it, and bake again with --resume"
-        ))
-    })?;
-    let size = written_size(&args.output);
-    eprintln!("wrote {} ({})", shown(&args.output), bytes(size));
-    if args.json {
-        json::print(&json::baked(
-            &asset,
-            &baked.report,
-            &args.output,
-            size,
-            seconds,
-        ));
-    }
+    write(args, &asset, &baked.report, seconds)?;
     // What is mapped from the checkpoint goes first.
     drop(asset);
     if let Err(error) = checkpoint.remove() {
@@ -76,17 +61,31 @@ pub fn run(args: &BakeArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The scene, and what was repaired in it, said.
+/// Writes the asset, and says so.
+fn write(args: &BakeArgs, asset: &Asset, report: &Report, seconds: f64) -> Result<(), Failure> {
+    asset::write(asset, &args.output).map_err(|error| {
+        Failure::new(format!(
+            "{error}; what is baked is kept: see to it, and bake again with --resume"
+        ))
+    })?;
+    let size = written_size(&args.output);
+    eprintln!("wrote {} ({})", shown(&args.output), bytes(size));
+    if args.json {
+        json::print(&json::baked(asset, report, &args.output, size, seconds));
+    }
+    Ok(())
+}
+
+/// The scene as it is baked, and what is to be said of it.
 fn loaded(args: &BakeArgs) -> Result<Scene, Failure> {
     let options = ImportOptions {
         albedo: args.albedo,
     };
     let scene = scene::load(&args.scene, &options)?;
-    scene
-        .warnings
-        .iter()
-        .for_each(|warning| warn(&format!("{}: {warning}", shown(&args.scene))));
-    Ok(scene)
+    for warning in &scene.warnings {
+        warn(&format!("{}: {warning}", shown(&args.scene)));
+    }
+    tessellated(scene, args)
 }
 
 /// Tells that a checkpoint is there after the bake has succeeded.

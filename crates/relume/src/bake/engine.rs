@@ -1,7 +1,7 @@
 //! What casts the rays of a bake.
 
 use std::fmt::{self, Display, Formatter};
-#[cfg(feature = "embree")]
+#[cfg(all(feature = "embree", any(unix, windows)))]
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -16,7 +16,7 @@ pub enum Engine {
     /// Ours, for an instruction set: the same bytes whichever.
     Packets(Level),
     /// Embree 4 from this file, or the system's own: not promised to be the same bytes anywhere.
-    #[cfg(feature = "embree")]
+    #[cfg(all(feature = "embree", any(unix, windows)))]
     Embree(Option<PathBuf>),
 }
 
@@ -31,7 +31,7 @@ impl Engine {
     pub fn level(&self) -> Level {
         match self {
             Self::Packets(level) => *level,
-            #[cfg(feature = "embree")]
+            #[cfg(all(feature = "embree", any(unix, windows)))]
             Self::Embree(_) => Level::best(),
         }
     }
@@ -47,7 +47,7 @@ impl<'w> Tracer<'w> {
     pub fn with_engine(world: &'w World, engine: &Engine) -> Result<Self, BakeError> {
         match engine {
             Engine::Packets(level) => Ok(Self::with_level(world, *level)),
-            #[cfg(feature = "embree")]
+            #[cfg(all(feature = "embree", any(unix, windows)))]
             Engine::Embree(path) => Ok(Self::with_embree(world, path.as_deref())?),
         }
     }
@@ -58,7 +58,7 @@ impl FromStr for Engine {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        #[cfg(feature = "embree")]
+        #[cfg(all(feature = "embree", any(unix, windows)))]
         if let Some(path) = text.strip_prefix("embree") {
             return match path.strip_prefix(':') {
                 None if path.is_empty() => Ok(Self::Embree(None)),
@@ -84,7 +84,7 @@ impl Display for Engine {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
         match self {
             Self::Packets(level) => write!(f, "{level}"),
-            #[cfg(feature = "embree")]
+            #[cfg(all(feature = "embree", any(unix, windows)))]
             Self::Embree(_) => f.write_str("embree"),
         }
     }
@@ -99,7 +99,7 @@ mod tests {
         assert_eq!("auto".parse(), Ok(Engine::default()));
         assert_eq!("portable".parse(), Ok(Engine::Packets(Level::PORTABLE)));
         assert!("fast".parse::<Engine>().is_err());
-        #[cfg(feature = "embree")]
+        #[cfg(all(feature = "embree", any(unix, windows)))]
         {
             assert_eq!("embree".parse(), Ok(Engine::Embree(None)));
             for wrong in [

@@ -104,7 +104,7 @@ pub enum BakeError {
     #[error("tiles have at least one receiver")]
     Tile,
     /// Embree was asked for, and cannot be used.
-    #[cfg(feature = "embree")]
+    #[cfg(all(feature = "embree", any(unix, windows)))]
     #[error(transparent)]
     Embree(#[from] super::trace::embree::EmbreeError),
     /// The checkpoint cannot be written or read.

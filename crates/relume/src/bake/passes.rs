@@ -49,7 +49,7 @@ impl Passes<'_> {
     /// Direct transfer, rows of `n²`, and what else the rays found; with bounces to come, the gather operator is kept as far as there is room.
     pub fn direct(&self, operator: Option<&Kept>) -> Result<(Rows, Vec<Found>), BakeError> {
         let count = self.stage.order.count();
-        let found = self.store.found(self.tiles())?;
+        let found = self.store.found(self.stage.receivers.len(), self.tile)?;
         let pass = self.pass("direct", count)?;
         let rows = self.run(
             0,
@@ -57,7 +57,7 @@ impl Passes<'_> {
             count,
             |tile| found.has(tile),
             |scratch, tile, rows| {
-                let mut finds = Vec::with_capacity(self.tile);
+                let mut finds = Vec::with_capacity(self.receivers_of(tile).len());
                 let mut kept = operator.map(|_| OperatorRows::new(self.stage.weight_channels));
                 for (i, row) in rows.chunks_mut(count).enumerate() {
                     let receiver = tile * self.tile + i;
@@ -119,7 +119,9 @@ impl Passes<'_> {
         tile: usize,
         scratch: &mut Scratch,
     ) -> Result<Cow<'k, OperatorRows>, BakeError> {
-        if let Some(rows) = operator.get(tile, self.stage)? {
+        let whole = |rows: &Cow<OperatorRows>| rows.len() == self.receivers_of(tile).len();
+        // A hash does not say that it is of this bake.
+        if let Some(rows) = operator.get(tile, self.stage)?.filter(whole) {
             return Ok(rows);
         }
         let mut rows = OperatorRows::new(self.stage.weight_channels);
@@ -194,7 +196,10 @@ impl Passes<'_> {
 
     fn receivers_of(&self, tile: usize) -> std::ops::Range<usize> {
         let start = tile * self.tile;
-        start..(start + self.tile).min(self.stage.receivers.len())
+        start
+            ..start
+                .saturating_add(self.tile)
+                .min(self.stage.receivers.len())
     }
 
     pub fn tiles(&self) -> usize {

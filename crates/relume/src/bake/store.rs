@@ -11,6 +11,8 @@ use super::BakeError;
 use super::checkpoint::{Checkpoint, Stream};
 use super::gather::{Found, Stage};
 use super::operator::Rows as OperatorRows;
+#[cfg(not(target_arch = "wasm32"))]
+#[cfg(not(target_arch = "wasm32"))]
 use super::passes::each_tile;
 use crate::files::Rows;
 #[cfg(not(target_arch = "wasm32"))]
@@ -71,6 +73,8 @@ impl Store<'_> {
         tile: usize,
         stride: usize,
     ) -> Result<Pass, BakeError> {
+        // A tile may be larger than all there is.
+        let tile = tile.min(receivers.max(1));
         let (values, tile_values) = (receivers * stride, tile * stride);
         #[cfg(not(target_arch = "wasm32"))]
         if let Some(checkpoint) = self.checkpoint {
@@ -89,16 +93,18 @@ impl Store<'_> {
         })
     }
 
-    /// What was found in each of `tiles` tiles, as far as it is there already.
-    pub fn found(&self, tiles: usize) -> Result<Finds, BakeError> {
+    /// What was found in each tile of `tile` receivers, as far as it is there already.
+    pub fn found(&self, receivers: usize, tile: usize) -> Result<Finds, BakeError> {
+        let tiles = receivers.div_ceil(tile);
         let places: Vec<OnceLock<Vec<Found>>> = (0..tiles).map(|_| OnceLock::new()).collect();
         #[cfg(not(target_arch = "wasm32"))]
         if let Some(checkpoint) = self.checkpoint {
             let stream = checkpoint.blobs("found", tiles)?;
             let mut bytes = Vec::new();
-            for (tile, place) in places.iter().enumerate() {
-                if stream.get(tile, &mut bytes)?
+            for (at, place) in places.iter().enumerate() {
+                if stream.get(at, &mut bytes)?
                     && let Some(found) = found_of(&bytes)
+                    && found.len() == tile.min(receivers - tile * at)
                 {
                     let _ = place.set(found);
                 }
@@ -246,7 +252,10 @@ impl Kept {
         stage: &Stage,
     ) -> Result<Option<Cow<'_, OperatorRows>>, BakeError> {
         match &self.place {
-            KeptIn::Memory(places) => Ok(places[tile].get().map(Cow::Borrowed)),
+            KeptIn::Memory(places) => {
+                let _ = stage;
+                Ok(places[tile].get().map(Cow::Borrowed))
+            }
             #[cfg(not(target_arch = "wasm32"))]
             KeptIn::Disk(stream) => {
                 let mut bytes = Vec::new();

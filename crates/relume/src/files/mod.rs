@@ -29,6 +29,7 @@ pub fn write_atomically(
     let _guard = WRITING.read().unwrap_or_else(PoisonError::into_inner);
     let ((), temporary) = temporary(path, write)?;
     temporary.persist(path).map_err(|failure| failure.error)?;
+    sync_names(temporary::folder(path));
     Ok(())
 }
 
@@ -47,6 +48,7 @@ pub fn write_both_atomically<T>(
     let ((), two) = temporary(second, |writer| write_second(result, writer))?;
     one.persist(first).map_err(|failure| failure.error)?;
     two.persist(second).map_err(|failure| failure.error)?;
+    sync_names(temporary::folder(second));
     Ok(())
 }
 
@@ -62,6 +64,17 @@ fn temporary<T>(
     drop(writer);
     temporary.as_file().sync_all()?;
     Ok((result, temporary))
+}
+
+/// Has the names in a folder on the disk, so that nothing that is removed afterwards is gone before what replaces it is there. Not every system
+/// can, and none needs it but after a power loss.
+pub(crate) fn sync_names(folder: &Path) {
+    #[cfg(unix)]
+    if let Ok(folder) = File::open(folder) {
+        let _ = folder.sync_all();
+    }
+    #[cfg(not(unix))]
+    let _ = folder;
 }
 
 /// A name from a file, fit to print: control characters and invisible direction marks are escaped.

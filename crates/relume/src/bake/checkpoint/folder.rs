@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use super::CheckpointError;
 use super::error::{failed, shown};
-use crate::files::{printable, write_atomically};
+use crate::files::{printable, sync_names, write_atomically};
 
 /// The file that is locked.
 const LOCK: &str = "lock";
@@ -53,6 +53,10 @@ pub fn lock(folder: &Path) -> Result<File, CheckpointError> {
         };
         match file.try_lock() {
             Ok(()) if is_at(&file, &path) => return Ok(file),
+            // Some network disks know no locks. There, nobody else is noticed before the files have gone.
+            Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {
+                return Ok(file);
+            }
             Ok(()) => {}
             // A bake that was just killed, or a child that it was just starting, lets go in a moment.
             Err(TryLockError::WouldBlock) if attempt < PATIENCE => {
@@ -168,7 +172,7 @@ fn read_header(path: &Path) -> io::Result<Vec<u8>> {
 /// Removes the files of an older bake.
 pub fn clear(folder: &Path, files: &[PathBuf]) -> Result<(), CheckpointError> {
     files.iter().try_for_each(|file| remove_file(file))?;
-    sync(folder);
+    sync_names(folder);
     Ok(())
 }
 
@@ -182,20 +186,7 @@ fn remove_file(path: &Path) -> Result<(), CheckpointError> {
 /// Writes the header, and has it on the disk before anything else.
 pub fn write_header(folder: &Path, header: &[u8]) -> Result<(), CheckpointError> {
     let path = folder.join(HEADER);
-    write_atomically(&path, |writer| writer.write_all(header))
-        .map_err(failed(&path, "write it"))?;
-    sync(folder);
-    Ok(())
-}
-
-/// Has the names in a folder on the disk. Not every system can, and none needs it but after a power loss.
-fn sync(folder: &Path) {
-    #[cfg(unix)]
-    if let Ok(folder) = File::open(folder) {
-        let _ = folder.sync_all();
-    }
-    #[cfg(not(unix))]
-    let _ = folder;
+    write_atomically(&path, |writer| writer.write_all(header)).map_err(failed(&path, "write it"))
 }
 
 /// Takes the folder away: the lock last, and before it the header, without which the rest would be foreign.

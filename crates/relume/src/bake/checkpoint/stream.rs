@@ -1,7 +1,7 @@
 //! Results of tiles, put by any thread in any order.
 
 use std::fs::{File, OpenOptions};
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -12,7 +12,7 @@ use super::error::{failed, shown};
 use super::folder::{self, JOURNAL, TILES};
 use super::journal::{self, Layout, Record};
 use super::{CheckpointError, Shared, at};
-use crate::files::Rows;
+use crate::files::{Rows, write_atomically};
 
 /// What a power loss may cost.
 const BETWEEN_SYNCS: Duration = Duration::from_secs(5);
@@ -83,6 +83,22 @@ impl Stream {
             .map_err(failed(&journal_path, "cut it"))?;
         let lost = verify(&tiles, &mut found.records).map_err(read)?;
         let reused = found.records.iter().flatten().count();
+        let dropped = forgotten + found.bad + lost;
+        let mut journal = journal;
+        if dropped > 0 {
+            // Records that did not hold must not hold later by chance, when the file has grown to where they point.
+            let header = journal::header(&shared.identity, layout);
+            let records = found.records.iter().flatten();
+            write_atomically(&journal_path, |writer| {
+                writer.write_all(&header)?;
+                records
+                    .clone()
+                    .try_for_each(|record| writer.write_all(&record.to_bytes()))
+            })
+            .map_err(failed(&journal_path, "write it anew"))?;
+            journal = open(&journal_path)?;
+            found.end = journal::HEADER + journal::RECORD * reused as u64;
+        }
         Ok(Self {
             shared: Arc::clone(shared),
             name: name.to_owned(),
@@ -91,7 +107,7 @@ impl Stream {
             journal,
             synced: Mutex::new(Instant::now()),
             reused,
-            dropped: forgotten + found.bad + lost,
+            dropped,
             state: Mutex::new(State {
                 missing: found.records.len() - reused,
                 records: found.records,

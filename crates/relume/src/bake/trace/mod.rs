@@ -7,7 +7,7 @@
 //! World ──▶ tree ──▶ walk: packet × (tree, triangle) ──▶ Hit, or a bit per ray
 //! ```
 
-#[cfg(feature = "embree")]
+#[cfg(all(feature = "embree", any(unix, windows)))]
 pub mod embree;
 mod frustum;
 mod packet;
@@ -39,7 +39,7 @@ enum Caster {
         tree: tree::Tree,
         level: Level,
     },
-    #[cfg(feature = "embree")]
+    #[cfg(all(feature = "embree", any(unix, windows)))]
     Embree(embree::Embree),
 }
 
@@ -59,7 +59,7 @@ impl<'w> Tracer<'w> {
     }
 
     /// Embree 4 over all triangles of `world`: loaded from an absolute path, or where the system keeps it.
-    #[cfg(feature = "embree")]
+    #[cfg(all(feature = "embree", any(unix, windows)))]
     pub fn with_embree(
         world: &'w World,
         path: Option<&std::path::Path>,
@@ -81,7 +81,7 @@ impl<'w> Tracer<'w> {
                 rays,
                 hits,
             }),
-            #[cfg(feature = "embree")]
+            #[cfg(all(feature = "embree", any(unix, windows)))]
             Caster::Embree(embree) => embree.closest_from(origin, rays, |i, triangle, t| {
                 hits[i] = self.hit(origin, rays.get(i), triangle, t);
             }),
@@ -99,7 +99,7 @@ impl<'w> Tracer<'w> {
                 rays,
                 open,
             }),
-            #[cfg(feature = "embree")]
+            #[cfg(all(feature = "embree", any(unix, windows)))]
             Caster::Embree(embree) => embree.open_from(origin, rays, open),
         }
     }

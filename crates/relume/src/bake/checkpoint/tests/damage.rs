@@ -169,3 +169,31 @@ fn another_layout_of_the_same_stream_takes_nothing_over() {
     let stream = checkpoint.blobs("direct", 7).unwrap();
     assert_eq!((stream.reused(), stream.dropped()), (0, 7));
 }
+
+#[test]
+fn a_record_that_did_not_hold_never_does_later() {
+    let (_parent, folder) = place();
+    let put = |tile: usize, bytes: &[u8]| {
+        let checkpoint = open(&folder, true);
+        let stream = checkpoint.blobs("hits", 2).unwrap();
+        stream.put(tile, bytes).unwrap();
+    };
+    put(0, b"abc");
+    // Nothing, two bytes past the end, of the hash of nothing.
+    let lie = journal::Record {
+        tile: 0,
+        offset: 5,
+        length: 0,
+        crc: 0,
+    };
+    let path = folder.join("hits.journal");
+    let journal = fs::read(&path).unwrap();
+    fs::write(&path, [&journal[..], &lie.to_bytes()].concat()).unwrap();
+    // Now the file reaches to where it points.
+    put(1, b"defg");
+    let checkpoint = open(&folder, true);
+    let stream = checkpoint.blobs("hits", 2).unwrap();
+    assert_eq!((stream.reused(), stream.dropped()), (2, 0));
+    let mut bytes = Vec::new();
+    assert!(stream.get(0, &mut bytes).unwrap() && bytes == b"abc");
+}
