@@ -138,6 +138,7 @@ impl Rows {
     }
 
     /// For a file: the number of rows and of columns, then the vectors, little endian.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn to_bytes(&self) -> Vec<u8> {
         let counts = [self.len() as u32, self.columns.len() as u32];
         let words = counts
@@ -150,6 +151,7 @@ impl Rows {
     }
 
     /// What [`Rows::to_bytes`] wrote; `None` where it does not hold together: other lengths, or columns past `receivers`.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn from_bytes(bytes: &[u8], channels: usize, receivers: usize) -> Option<Self> {
         let (words, rest) = bytes.as_chunks();
         let words: Vec<u32> = words.iter().map(|word| u32::from_le_bytes(*word)).collect();

@@ -3,8 +3,6 @@
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use rayon::prelude::*;
-
 use super::gather::{self, Found, Scratch, Stage};
 use super::operator::Rows as OperatorRows;
 use super::store::{Kept, Pass, Store};
@@ -262,15 +260,4 @@ impl Passes<'_> {
             traced_again: self.counters.traced_again.load(Ordering::Relaxed),
         }
     }
-}
-
-/// `task` on every tile, each on some thread with a scratch of that thread; the first error ends it.
-pub fn each_tile<S>(
-    tiles: Vec<usize>,
-    scratch: impl Fn() -> S + Sync + Send,
-    task: impl Fn(&mut S, usize) -> Result<(), BakeError> + Sync + Send,
-) -> Result<(), BakeError> {
-    tiles
-        .into_par_iter()
-        .try_for_each_init(scratch, |scratch, tile| task(scratch, tile))
 }

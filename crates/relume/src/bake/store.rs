@@ -12,8 +12,6 @@ use super::checkpoint::{Checkpoint, Stream};
 use super::gather::{Found, Stage};
 use super::operator::Rows as OperatorRows;
 #[cfg(not(target_arch = "wasm32"))]
-#[cfg(not(target_arch = "wasm32"))]
-use super::passes::each_tile;
 use crate::files::Rows;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::files::le_bytes;
@@ -246,16 +244,17 @@ impl Kept {
     }
 
     /// A tile's rows, if they were kept.
+    #[cfg_attr(
+        target_arch = "wasm32",
+        expect(unused_variables, reason = "there is no disk")
+    )]
     pub fn get(
         &self,
         tile: usize,
         stage: &Stage,
     ) -> Result<Option<Cow<'_, OperatorRows>>, BakeError> {
         match &self.place {
-            KeptIn::Memory(places) => {
-                let _ = stage;
-                Ok(places[tile].get().map(Cow::Borrowed))
-            }
+            KeptIn::Memory(places) => Ok(places[tile].get().map(Cow::Borrowed)),
             #[cfg(not(target_arch = "wasm32"))]
             KeptIn::Disk(stream) => {
                 let mut bytes = Vec::new();
@@ -268,4 +267,16 @@ impl Kept {
             }
         }
     }
+}
+
+/// `task` on every tile, each on some thread with a scratch of that thread; the first error ends it.
+#[cfg(not(target_arch = "wasm32"))]
+fn each_tile<S>(
+    tiles: Vec<usize>,
+    scratch: impl Fn() -> S + Sync + Send,
+    task: impl Fn(&mut S, usize) -> Result<(), BakeError> + Sync + Send,
+) -> Result<(), BakeError> {
+    tiles
+        .into_par_iter()
+        .try_for_each_init(scratch, |scratch, tile| task(scratch, tile))
 }

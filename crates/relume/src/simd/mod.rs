@@ -59,7 +59,7 @@ pub trait Lanes:
         let (even, odd) = self.split::<D>(other);
         even + odd
     }
-    /// Interleaves three vectors, lane [`folded`]`(0)` first: `to` receives `[r, g, b]` for each lane in that order.
+    /// Interleaves three vectors, lane `folded``(0)` first: `to` receives `[r, g, b]` for each lane in that order.
     #[inline(always)]
     fn store_folded(r: Self, g: Self, b: Self, to: &mut [[f32; 3]]) {
         let mut lanes = [[0.0; 16]; 3];
