@@ -56,7 +56,7 @@ pub fn bake(context: &Context, arguments: &[String]) -> Result<Figures, String> 
         return Ok(Figures::Failed);
     }
     let mut rows = Vec::new();
-    for mesh in meshes(context, &["armadillo_43k.obj"]) {
+    for mesh in meshes(context, &["armadillo_14k.obj"]) {
         let mut python = EMBREE.python(context);
         python
             .args(["-u", "xtask/bench/trimesh_compare.py", "--relume"])
