@@ -91,9 +91,7 @@ def ticks(low, high, log):
 
 
 def number(x):
-    if x >= 1000:
-        return f"{x / 1000:g}k"
-    return f"{x:g}"
+    return f"{x / 1000:g}k" if x >= 1000 and x % 1000 == 0 else f"{x:g}"
 
 
 def panel(at, title, unit, series, log):

@@ -10,7 +10,7 @@ use std::mem::size_of_val;
 use std::time::Instant;
 
 use rayon::prelude::*;
-use relume::asset::{Transfer, TransferKind};
+use relume::asset::{Provenance, Transfer, TransferKind};
 use relume::basis::Order;
 use relume::light::ShLight;
 use relume::shade;
@@ -37,9 +37,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             kind: TransferKind::Unshadowed,
             samples: 0,
             seed: 0,
+            made: Provenance::default(),
             coefficients: numbers.map(|i| (i % 1013) as f32).collect(),
             valid: vec![true; VERTICES],
             back: None,
+            gather: None,
         };
         let [mut one, mut batch, mut read] = [f64::INFINITY; 3];
         for _ in 0..rounds {
