@@ -31,7 +31,7 @@ pub fn sh(context: &Context, arguments: &[String]) -> Result<Figures, String> {
         .env("OMP_NUM_THREADS", "1");
     let mut rows = Vec::new();
     let status = process::stream(&mut python, |line| {
-        rows.extend(parse(line, "million values/s", 1.5));
+        rows.extend(parse(line, "million values/s", Some(1.5)));
     })?;
     Ok(if status.success() {
         Figures::Rows(rows)
@@ -49,7 +49,7 @@ pub fn shade(context: &Context, arguments: &[String]) -> Result<Figures, String>
     for _ in 0..RUNS {
         let mut rows = Vec::new();
         let status = process::stream(context.command(&example).args(arguments), |line| {
-            rows.extend(parse(line, "GB/s of transfer", 0.8));
+            rows.extend(parse(line, "GB/s of transfer", Some(0.8)));
         })?;
         if !status.success() {
             return Ok(Figures::Failed);
@@ -74,7 +74,7 @@ fn middle(runs: &[Vec<Row>]) -> Vec<Row> {
 }
 
 /// Builds an example of the library; `None` where that fails, which has been printed.
-fn build(context: &Context, name: &str) -> Result<Option<PathBuf>, String> {
+pub fn build(context: &Context, name: &str) -> Result<Option<PathBuf>, String> {
     let line = format!("build --release --locked -p relume --example {name}");
     let built = process::succeeds(&mut context.cargo(&line))?;
     let file = format!("{name}{}", std::env::consts::EXE_SUFFIX);
@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn the_middle_run_is_taken_row_by_row() {
         let run = |a: f64, b: f64| {
-            let row = |name: &str, ours: f64| parse(&format!("{name}\t{ours}\t1"), "x", 1.0);
+            let row = |name: &str, ours: f64| parse(&format!("{name}\t{ours}\t1"), "x", Some(1.0));
             [row("a", a), row("b", b)].into_iter().flatten().collect()
         };
         let rows = middle(&[run(1.0, 9.0), run(3.0, 7.0), run(2.0, 8.0)]);

@@ -1,5 +1,6 @@
 //! `cargo xtask bench [NAME]`: figures against other programs, on release builds. Nothing here passes or fails.
 
+mod bakes;
 mod kernels;
 mod table;
 
@@ -57,6 +58,24 @@ const BENCHES: &[Bench] = &[
         what: "shading against the speed of reading memory, all threads",
         needs: &[],
         run: kernels::shade,
+    },
+    Bench {
+        name: "rays",
+        what: "rays against Embree 4 (robust, coherent packets of 16), one thread",
+        needs: &[Need::Python, Need::Environment(&bakes::EMBREE)],
+        run: bakes::rays,
+    },
+    Bench {
+        name: "bake",
+        what: "whole bakes against a loop over trimesh and embreex, at equal error",
+        needs: &[Need::Python, Need::Environment(&bakes::EMBREE)],
+        run: bakes::bake,
+    },
+    Bench {
+        name: "growth",
+        what: "time and memory against vertices, rays, bounces and threads",
+        needs: &[Need::Python],
+        run: bakes::growth,
     },
     Bench {
         name: "mitsuba",

@@ -13,8 +13,8 @@ pub struct Row {
     pub theirs: f64,
     /// What both are counted in.
     pub unit: &'static str,
-    /// The ratio ours over theirs that is aimed at.
-    pub aim: f64,
+    /// The ratio ours over theirs that is aimed at; `None` where the row only informs.
+    pub aim: Option<f64>,
 }
 
 impl Row {
@@ -23,9 +23,9 @@ impl Row {
         self.ours / self.theirs
     }
 
-    /// Whether the ratio reaches the aim.
+    /// Whether the ratio reaches the aim, if there is one.
     pub fn is_reached(&self) -> bool {
-        self.ratio() >= self.aim
+        self.aim.is_none_or(|aim| self.ratio() >= aim)
     }
 }
 
@@ -50,7 +50,7 @@ impl Display for Table {
                 short(row.theirs),
                 row.unit,
                 short(row.ratio()),
-                short(row.aim),
+                row.aim.map_or("–".to_owned(), short),
                 if row.is_reached() { "" } else { " missed" }
             )?;
         }
@@ -79,7 +79,7 @@ pub fn median(numbers: &[f64]) -> f64 {
 }
 
 /// The row of a line `name⇥ours⇥theirs`, as the scripts and examples behind the benches print it; `None` for any other line.
-pub fn parse(line: &str, unit: &'static str, aim: f64) -> Option<Row> {
+pub fn parse(line: &str, unit: &'static str, aim: Option<f64>) -> Option<Row> {
     let mut fields = line.split('\t');
     let name = fields.next()?.to_owned();
     let ours = fields.next()?.trim().parse().ok()?;
@@ -104,7 +104,7 @@ mod tests {
             ours,
             theirs: 8.0,
             unit: "GB/s",
-            aim: 1.5,
+            aim: Some(1.5),
         };
         let text = Table(vec![row("short", 12.0), row("somewhat longer", 11.0)]).to_string();
         let lines: Vec<&str> = text.lines().collect();
@@ -118,10 +118,10 @@ mod tests {
 
     #[test]
     fn lines_of_three_fields_are_rows() {
-        let row = parse("a b\t3e2\t100", "x", 2.0).unwrap();
+        let row = parse("a b\t3e2\t100", "x", Some(2.0)).unwrap();
         assert_eq!((row.name.as_str(), row.ratio()), ("a b", 3.0));
-        assert!(parse("a b 3 100", "x", 2.0).is_none());
-        assert!(parse("a\tb\t1", "x", 2.0).is_none());
+        assert!(parse("a b 3 100", "x", None).is_none());
+        assert!(parse("a\tb\t1", "x", None).is_none());
     }
 
     #[test]
