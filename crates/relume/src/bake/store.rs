@@ -11,7 +11,6 @@ use super::BakeError;
 use super::checkpoint::{Checkpoint, Stream};
 use super::gather::{Found, Stage};
 use super::operator::Rows as OperatorRows;
-#[cfg(not(target_arch = "wasm32"))]
 use crate::files::Rows;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::files::le_bytes;
