@@ -38,7 +38,7 @@ BAKE = [
     (dict(faces=[]), "faces: has the shape [0]; give an array [F, 3] of integers, the corners of triangles"),
     (dict(faces=np.zeros((0, 3), int)), "faces: there are none; give an array [F, 3] of integers, the corners of triangles"),
     (dict(faces=[3, 0, 1, 2]), "faces: has the shape [4]; give an array [F, 3] of integers, the corners of triangles"),
-    (dict(faces=[[0, 0, 1]]), "faces: has no triangles, so there is nothing to bake"),
+    (dict(faces=[[0, 0, 1]]), "faces: has no triangles, so there is nothing to bake; export a mesh with faces that have an area"),
     (dict(normals=VERTICES[:4]), "normals: 4 for 9 vertices; give one for each"),
     (dict(normals=NAN), "normals: [4, 1] is nan, which is not a finite 32-bit number; repair it"),
     (dict(normals=VERTICES.T), "normals: has the shape [3, 9]; give an array [V, 3] of floats"),
@@ -90,7 +90,7 @@ def test_the_limits_are_those_of_the_library():
 
 LIGHT = [
     (dict(env="constant:1,1"), r'env: "constant:1,1" is not of the form constant:R,G,B.*'),
-    (dict(env="constant:1,-1,1"), "env: constant radiance: 1,-1,1 must be finite and not negative"),
+    (dict(env="constant:1,-1,1"), "env: constant radiance: 1,-1,1 must be finite, not negative and at most 1e20"),
     (dict(env="sky:99,3"), "env: .*0…90.*"),
     (dict(env=""), 'env: "" is not of the form a path.*'),
     (dict(env=np.zeros((4, 8))), r"env: has the shape \[4, 8\]; give a path.*"),
@@ -99,7 +99,7 @@ LIGHT = [
     (dict(env=np.zeros((4, 8, 3), np.uint8)), "env: holds uint8; give .*linear radiance in floats"),
     (dict(env=np.full((4, 8, 3), np.inf)), r"env: \[0, 0, 0\] is inf, .*"),
     (dict(env=None), "env: holds object; give a path.*"),
-    (dict(layout="round"), 'layout: layout "round" is unknown; use auto, latlong, angular, vcross or hcross'),
+    (dict(layout="round"), 'layout: layout "round" is unknown; use auto, latlong, angular, vcross, hcross or faces'),
     (dict(layout=3), "layout: 3 is not text"),
     (dict(env=np.ones((4, 8, 3)), layout="vcross"), "layout: layout vcross needs 3 × 4 equal squares.* layout= .*"),
     (dict(rotate="90"), 'rotate: "90" is not of the form X,Y,Z:DEG.*'),

@@ -172,4 +172,4 @@ except MemoryError as error:
 def test_a_result_larger_than_memory_is_a_memory_error():
     with python(TOO_LARGE) as child:
         out, err = child.communicate(timeout=60)
-    assert (out, err) == ("the bake needs 3686400000 bytes: lower order, or bake parts of the mesh\n", "")
+    assert (out, err) == ("the bake needs 5329600000 bytes: lower order, or bake parts of the mesh\n", "")

@@ -380,7 +380,8 @@ fn packet(origin: Vec3, rays: &Rays, start: usize) -> Ray16 {
     let part = |values: &[f32]| std::array::from_fn(|lane| values[start + lane]);
     Ray16 {
         origin: origin.to_array().map(|x| [x; WIDTH]),
-        near: [0.0; WIDTH],
+        // A surface at the start itself is none, as for our own tracer.
+        near: [f32::MIN_POSITIVE; WIDTH],
         direction: [part(&rays.x), part(&rays.y), part(&rays.z)],
         time: [0.0; WIDTH],
         far: [f32::INFINITY; WIDTH],
