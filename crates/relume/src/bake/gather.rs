@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::buried::is_buried;
-use super::directions::{Directions, Net, PROBES, Plan, Set, Values, stride};
+use super::directions::{Directions, Net, PROBES, Set, Values, stride};
 use super::operator::{Merger, Rows};
 use super::receiver::{NO_BACK, Receiver, Receivers};
 use super::trace::{Hit, Rays, Tracer};
@@ -17,8 +17,7 @@ pub struct Stage<'a> {
     pub tracer: &'a Tracer<'a>,
     pub receivers: &'a Receivers<'a>,
     pub directions: &'a Directions,
-    pub plan: Plan,
-    /// With [`Plan::UntilGood`]: the error at which a receiver is good.
+    /// The error at which a receiver needs no further round, where there is one.
     pub error: f64,
     pub order: Order,
     pub seed: u64,
@@ -87,7 +86,7 @@ pub fn direct(
     scratch.sums.iter_mut().for_each(|sums| sums.fill(0.0));
     let mut found = Found::default();
     let mut visible = 0;
-    for (round, last) in set.rounds.iter().zip((1..).map(|i| i == set.rounds.len())) {
+    for (i, round) in set.rounds.iter().enumerate() {
         for (which, net) in round.nets.iter().enumerate() {
             scratch.trace(stage, &receiver, net, &turn, operator.is_some());
             visible += scratch.add_open(stage, net, which);
@@ -97,10 +96,10 @@ pub fn direct(
             }
         }
         // A receiver that sees half of its sky is not buried.
-        if found.samples == round_end(set) && 2 * visible < found.samples {
+        if i == 0 && 2 * visible < found.samples {
             found.buried = scratch.is_buried(stage, &receiver, set, &turn);
         }
-        if last || found.buried || is_good(stage, &scratch.sums, count, found.samples) {
+        if found.buried || is_good(stage.error, &scratch.sums, count, found.samples) {
             break;
         }
     }
@@ -119,32 +118,20 @@ pub fn direct(
     found
 }
 
-/// Rays of the first round.
-fn round_end(set: &Set) -> u32 {
-    set.rounds[0]
-        .nets
-        .iter()
-        .map(|net| net.rays.len() as u32)
-        .sum()
-}
-
 /// Whether the estimate is as good as asked for.
 ///
 /// The two nets are independent: half of their difference has the expected length of their mean's error. It is held against the mean, or
 /// against a tenth of what an open receiver has where that is more: in a crevice, errors are small beside what is lit.
-fn is_good(stage: &Stage, [a, b]: &[Vec<f64>; 2], count: usize, samples: u32) -> bool {
-    if matches!(stage.plan, Plan::All(_)) {
-        return false;
-    }
-    let half = f64::from(samples) / 2.0;
+fn is_good(error: f64, [a, b]: &[Vec<f64>; 2], count: usize, samples: u32) -> bool {
+    let samples = f64::from(samples);
     let (mut difference, mut mean) = (0.0, 0.0);
     for (a, b) in a[..count].iter().zip(b) {
-        difference += ((a - b) / (2.0 * half)).powi(2);
-        mean += ((a + b) / (2.0 * half)).powi(2);
+        difference += ((a - b) / samples).powi(2);
+        mean += ((a + b) / samples).powi(2);
     }
     // ∫ (cosθ/π)² dω over the hemisphere: what an open receiver's transfer comes to with the order.
     let open = 2.0 / (3.0 * std::f64::consts::PI);
-    difference <= stage.error * stage.error * mean.max(0.01 * open)
+    difference <= error * error * mean.max(0.01 * open)
 }
 
 /// Where local x, y and z go.

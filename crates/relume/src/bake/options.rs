@@ -15,8 +15,8 @@ pub struct BakeOptions {
     pub order: Order,
     /// Rays per vertex (and side); with `error`, the most of them.
     pub samples: u32,
-    /// A vertex stops casting rays when its own estimate of its direct transfer's relative error is below this; every vertex casts
-    /// `samples` where there is none.
+    /// A vertex stops casting rays when its own estimate of its direct transfer's error is below this, relative to that transfer or to a
+    /// tenth of an open vertex's where that is more; every vertex casts `samples` where there is none.
     pub error: Option<f64>,
     /// Interreflections: 0 is shadowed direct light.
     pub bounces: u32,

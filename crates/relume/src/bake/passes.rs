@@ -75,7 +75,7 @@ impl Passes<'_> {
                 found.put(tile, &finds)
             },
         )?;
-        Ok((rows, found.all(self.tiles())?))
+        Ok((rows, found.all()))
     }
 
     /// Rows of `3·n²`: what `previous` (of `channels · n²`) becomes after one more reflection.

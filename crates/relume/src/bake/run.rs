@@ -2,7 +2,7 @@
 
 use super::buried::Filling;
 use super::directions::{Directions, Plan};
-use super::gather::{Found, Stage};
+use super::gather::Stage;
 use super::operator;
 use super::passes::{Counters, Passes, Report};
 use super::receiver::Receivers;
@@ -100,7 +100,6 @@ fn bake_here(
         tracer: &tracer,
         receivers: &receivers,
         directions: &Directions::new(plan, options.order, options.seed),
-        plan,
         error: options.error.unwrap_or(0.0),
         order: options.order,
         seed: options.seed,
@@ -160,8 +159,9 @@ fn series(passes: &Passes, options: &BakeOptions) -> Result<Baked, BakeError> {
     if let Some(operator) = operator.filter(|_| options.gather) {
         transfer.gather = Some(passes.gathered(&operator)?);
     }
+    transfer.samples = found.iter().map(|found| found.samples).max().unwrap_or(0);
     Ok(Baked {
-        transfer: with_samples(transfer, &found),
+        transfer,
         report: passes.report(),
     })
 }
@@ -174,12 +174,6 @@ fn fold(terms: &mut Vec<Rows>) {
             .zip(&*last)
             .for_each(|(sum, term)| *sum += term);
     }
-}
-
-/// The rays that vertices cast at most, as the asset says it.
-fn with_samples(mut transfer: Transfer, found: &[Found]) -> Transfer {
-    transfer.samples = found.iter().map(|found| found.samples).max().unwrap_or(0);
-    transfer
 }
 
 /// `t_i = A_l/π · Y_i(n)` with the zonal eigenvalues A_l of the clamped cosine [ramamoorthi2001].
@@ -228,7 +222,8 @@ fn finish(
         order: options.order,
         channels: options.channels(),
         kind,
-        samples: if options.shadows { options.samples } else { 0 },
+        // As the closed form has it.
+        samples: 0,
         seed: options.seed,
         made: Provenance {
             error: options.error,

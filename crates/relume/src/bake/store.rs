@@ -165,13 +165,15 @@ impl Pass {
                     (0..tiles).partition(|&tile| stream.has(tile) && ready(tile));
                 done.into_iter().try_for_each(there)?;
                 let scratch = || (scratch(), Vec::new());
-                each_tile(missing, scratch, |(scratch, rows), tile| {
-                    let start = tile * tile_values;
-                    rows.clear();
-                    rows.resize((values - start).min(*tile_values), 0.0);
-                    work(scratch, tile, rows)?;
-                    Ok(stream.put(tile, &le_bytes(rows))?)
-                })?;
+                missing
+                    .into_par_iter()
+                    .try_for_each_init(scratch, |(scratch, rows), tile| {
+                        let start = tile * tile_values;
+                        rows.clear();
+                        rows.resize((values - start).min(*tile_values), 0.0);
+                        work(scratch, tile, rows)?;
+                        Ok::<(), BakeError>(stream.put(tile, &le_bytes(rows))?)
+                    })?;
                 Ok(stream.map()?)
             }
         }
@@ -199,9 +201,9 @@ impl Finds {
     }
 
     /// What all tiles found, in order.
-    pub fn all(&self, tiles: usize) -> Result<Vec<Found>, BakeError> {
-        let found = self.tiles[..tiles].iter();
-        Ok(found.filter_map(OnceLock::get).flatten().copied().collect())
+    pub fn all(&self) -> Vec<Found> {
+        let found = self.tiles.iter().filter_map(OnceLock::get);
+        found.flatten().copied().collect()
     }
 }
 
@@ -266,16 +268,4 @@ impl Kept {
             }
         }
     }
-}
-
-/// `task` on every tile, each on some thread with a scratch of that thread; the first error ends it.
-#[cfg(not(target_arch = "wasm32"))]
-fn each_tile<S>(
-    tiles: Vec<usize>,
-    scratch: impl Fn() -> S + Sync + Send,
-    task: impl Fn(&mut S, usize) -> Result<(), BakeError> + Sync + Send,
-) -> Result<(), BakeError> {
-    tiles
-        .into_par_iter()
-        .try_for_each_init(scratch, |scratch, tile| task(scratch, tile))
 }

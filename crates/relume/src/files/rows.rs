@@ -158,16 +158,7 @@ impl PartialEq<Vec<f32>> for Rows {
 
 /// The bytes of `values` as files hold them: little-endian, on any machine.
 pub fn le_bytes(values: &[f32]) -> Cow<'_, [u8]> {
-    if cfg!(target_endian = "little") {
-        Cow::Borrowed(bytemuck::cast_slice(values))
-    } else {
-        Cow::Owned(
-            values
-                .iter()
-                .flat_map(|value| value.to_le_bytes())
-                .collect(),
-        )
-    }
+    le_words(bytemuck::cast_slice(values))
 }
 
 /// [`le_bytes`] of whole numbers.

@@ -1,6 +1,6 @@
 //! Ray casting for the bake: many rays from one point, in packets, without leaks.
 //!
-//! A [`Tracer`] holds a binary BVH (built by `obvhs`) and its triangles in leaf order. Rays of one vertex or one camera share their
+//! A [`Tracer`] holds a tree as wide as a vector (made of a binary one that `obvhs` builds). Rays of one vertex or one camera share their
 //! origin, so each box and each triangle is moved to that origin once and then met by all rays of a packet.
 //!
 //! ```text
