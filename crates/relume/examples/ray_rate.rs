@@ -15,7 +15,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use glam::{Quat, Vec3};
-use relume::bake::trace::{Hit, Rays, Tracer};
+use relume::bake::trace::{Hit, Occluders, Rays, Tracer};
 use relume::scene::{self, ImportOptions, World};
 use relume::simd::Level;
 
@@ -108,17 +108,17 @@ fn by_level(casts: &Casts, world: &World) {
 }
 
 /// Casts all rays of a vertex and says how many meet nothing.
-type Cast = fn(&Tracer, Vec3, &Rays) -> usize;
+type Cast = fn(&Tracer, Vec3, &Rays, &mut Occluders) -> usize;
 
 const KINDS: [(&str, Cast); 2] = [("any hit", any_hit), ("closest hit", closest_hit)];
 
-fn any_hit(tracer: &Tracer, origin: Vec3, rays: &Rays) -> usize {
+fn any_hit(tracer: &Tracer, origin: Vec3, rays: &Rays, occluders: &mut Occluders) -> usize {
     let mut open = [0; RAYS as usize / 64];
-    tracer.open_from(origin, rays, &mut open);
+    tracer.open_from(origin, rays, &mut open, occluders);
     open.iter().map(|bits| bits.count_ones() as usize).sum()
 }
 
-fn closest_hit(tracer: &Tracer, origin: Vec3, rays: &Rays) -> usize {
+fn closest_hit(tracer: &Tracer, origin: Vec3, rays: &Rays, _: &mut Occluders) -> usize {
     let mut hits = [Hit::MISS; RAYS as usize];
     tracer.closest_from(origin, rays, &mut hits);
     hits.iter().filter(|hit| !hit.is_hit()).count()
@@ -179,10 +179,10 @@ impl Casts {
     /// Casts the rays of one block.
     fn block(&self, block: usize, tracer: &Tracer, cast: Cast) -> usize {
         let vertices = &self.vertices[block * self.size()..][..self.size()];
-        let (mut rays, mut open) = (Rays::default(), 0);
+        let (mut rays, mut occluders, mut open) = (Rays::default(), Occluders::default(), 0);
         for (i, &(origin, frame)) in vertices.iter().enumerate() {
             rays.turn(&self.sets[i % self.sets.len()], frame);
-            open += cast(tracer, origin, &rays);
+            open += cast(tracer, origin, &rays, &mut occluders);
         }
         open
     }

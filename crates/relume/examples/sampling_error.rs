@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use glam::{DVec3, Vec3};
 use relume::asset::Transfer;
-use relume::bake::trace::{Rays, Tracer, rays_of};
+use relume::bake::trace::{Occluders, Rays, Tracer, rays_of};
 use relume::bake::{BakeOptions, Monitor, bake};
 use relume::basis::{Order, sh};
 use relume::scene::{self, ImportOptions, World};
@@ -220,7 +220,7 @@ fn one(
         .collect();
     let rays: Rays = chosen.iter().map(|(d, _)| *d).collect();
     let mut open = vec![0; rays.words()];
-    tracer.open_from(origin, &rays, &mut open);
+    tracer.open_from(origin, &rays, &mut open, &mut Occluders::default());
     let (mut row, mut values) = (vec![0.0; order.count()], vec![0.0; order.count()]);
     for i in rays_of(&open) {
         let (d, weight) = chosen[i];

@@ -98,7 +98,7 @@ def bake(
                   theirs differ by less than 60°.
     albedo        linear, in 0…1: a number, three, or [V, 3]. Only bounces depend on it.
     order         1…32: order² coefficients, for light up to degree order − 1.
-    samples       rays for each vertex, and for each bounce again.
+    samples       rays for each vertex; bounces reuse them.
     seed          chooses their directions.
     threads       how many; None for all cores.
     double_sided  whether the backs of faces reflect as the fronts do; otherwise they are black and block light. The result is for the side of the

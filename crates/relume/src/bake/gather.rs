@@ -6,7 +6,7 @@ use super::buried::is_buried;
 use super::directions::{Directions, Net, PROBES, Set, Values, stride};
 use super::operator::{Merger, Rows};
 use super::receiver::{NO_BACK, Receiver, Receivers};
-use super::trace::{Hit, Rays, Tracer};
+use super::trace::{Hit, Occluders, Rays, Tracer};
 use crate::basis::{Euler, EulerRotation, Order};
 use crate::scene::World;
 use crate::simd::{Kernel, Lanes, Level};
@@ -35,10 +35,11 @@ pub struct Found {
     pub buried: bool,
 }
 
-/// What a thread writes on while it works; nothing in it survives from one receiver to the next.
+/// What a thread writes on while it works; nothing in it that a result depends on survives from one receiver to the next.
 pub struct Scratch {
     rays: Rays,
     open: Vec<u64>,
+    occluders: Occluders,
     hits: Vec<Hit>,
     values: Values,
     merger: Merger,
@@ -59,6 +60,7 @@ impl Scratch {
         Self {
             rays: Rays::default(),
             open: Vec::new(),
+            occluders: Occluders::default(),
             hits: Vec::new(),
             values: Values::new(stage.order),
             merger: Merger::new(),
@@ -162,9 +164,12 @@ impl Scratch {
         self.open.clear();
         self.open.resize(self.rays.words(), 0);
         if !wants_hits {
-            return stage
-                .tracer
-                .open_from(receiver.origin, &self.rays, &mut self.open);
+            return stage.tracer.open_from(
+                receiver.origin,
+                &self.rays,
+                &mut self.open,
+                &mut self.occluders,
+            );
         }
         self.hits.clear();
         self.hits.resize(self.rays.len(), Hit::MISS);

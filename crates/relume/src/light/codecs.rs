@@ -9,7 +9,7 @@ use image::codecs::hdr::HdrDecoder;
 
 use crate::files::printable;
 
-use super::decode::Decoded;
+use super::decoded::Decoded;
 use super::hdr_image::{HdrImage, ImageError, MAX_PIXELS, check_claim};
 
 /// Most bytes that the channels of one OpenEXR layer may take: many more than RGBA needs.

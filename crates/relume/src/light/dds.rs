@@ -3,7 +3,7 @@
 use ddsfile::{Caps2, D3D10ResourceDimension, D3DFormat, Dds, DxgiFormat, MiscFlag};
 
 use super::codecs::{LINEAR_FROM_SRGB, broken};
-use super::decode::Decoded;
+use super::decoded::Decoded;
 use super::hdr_image::{HdrImage, ImageError, check_size};
 use super::layout::Layout;
 

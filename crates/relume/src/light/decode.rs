@@ -1,33 +1,13 @@
 //! Image files to radiance, by their first bytes, never by their name.
 
+use super::decoded::Decoded;
 use super::hdr_image::{HdrImage, ImageError};
-use super::layout::Layout;
 use super::pfm;
-
-/// An image, and what its file says of it.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Decoded {
-    pub(super) image: HdrImage,
-    /// How it is wrapped, where the file itself says so: a cube map.
-    pub(super) layout: Option<Layout>,
-    /// What a person should know, one line each.
-    pub(super) warnings: Vec<String>,
-}
-
-impl Decoded {
-    pub(super) fn new(image: HdrImage, warnings: Vec<String>) -> Self {
-        Self {
-            image,
-            layout: None,
-            warnings,
-        }
-    }
-}
 
 impl HdrImage {
     /// Reads an .hdr, .exr, .dds, .pfm, .png or .jpg file from memory, and what a person should know about it.
     ///
-    /// The faces of a DDS cube map come side by side, as [`Layout::Faces`] has them; of what is smaller the top level alone is read.
+    /// The faces of a DDS cube map come side by side, as [`Layout::Faces`](super::Layout::Faces) has them; of what is smaller the top level alone is read.
     /// Sizes are checked against [`MAX_PIXELS`](super::MAX_PIXELS) and the length of the file before anything is allocated.
     /// PNG and JPEG are decoded from sRGB, with a warning: they hold no light brighter than white. Without the feature `images`
     /// only PFM is read.

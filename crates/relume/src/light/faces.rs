@@ -8,7 +8,8 @@ use thiserror::Error;
 
 use crate::files::printable;
 
-use super::decode::{Decoded, decode};
+use super::decode::decode;
+use super::decoded::Decoded;
 use super::hdr_image::{HdrImage, ImageError, check_size};
 
 /// Files of the faces of a cube map, in the order of Direct3D: px, nx, py, ny, pz, nz ([`Layout::Faces`](super::Layout::Faces) says where they lie).

@@ -13,6 +13,7 @@ mod cross;
 #[cfg(feature = "images")]
 mod dds;
 mod decode;
+mod decoded;
 mod environment;
 mod error;
 mod faces;

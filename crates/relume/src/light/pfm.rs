@@ -1,6 +1,6 @@
 //! Portable float maps: `PF` (RGB) or `Pf` (grey), width, height, scale; then f32 rows from the bottom up.
 
-use super::decode::Decoded;
+use super::decoded::Decoded;
 use super::hdr_image::{HdrImage, ImageError, check_size};
 
 /// Longest a header line is believed to be.

@@ -32,8 +32,6 @@ pub trait Lanes:
     fn load(from: &[f32]) -> Self;
     /// The first [`Self::COUNT`] numbers of `from`, then zeros where there are fewer.
     fn load_or_zero(from: &[f32]) -> Self;
-    /// Four numbers, then zeros.
-    fn load4(from: [f32; 4]) -> Self;
     /// Asks for the memory at `values` ahead of time, where the processor can.
     fn prefetch(values: &[f32]);
     /// Into the first [`Self::COUNT`] places of `to`; panics where there are fewer.

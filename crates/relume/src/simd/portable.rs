@@ -49,10 +49,6 @@ impl Lanes for F32x8 {
         Self(lanes)
     }
     #[inline(always)]
-    fn load4([a, b, c, d]: [f32; 4]) -> Self {
-        Self([a, b, c, d, 0.0, 0.0, 0.0, 0.0])
-    }
-    #[inline(always)]
     fn prefetch(_: &[f32]) {}
     #[inline(always)]
     fn store(self, to: &mut [f32]) {

@@ -62,7 +62,7 @@ pub struct Mask16(__mmask16);
 
 /// `Lanes` and the operators for a vector type, from its instructions.
 macro_rules! lanes {
-    ($name:ident, $mask:ident, $count:literal, $splat:ident, $load:ident, $widen:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
+    ($name:ident, $mask:ident, $count:literal, $splat:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
      $min:ident, $max:ident, |$a:ident, $b:ident| $at_most:expr, $below:expr, |$m:ident, $yes:ident, $no:ident| $select:expr,
      |$some:ident| $load_some:expr, |$u:ident, $v:ident| { $($distance:literal => $even:expr, $odd:expr;)* } $($more:item)*) => {
         impl Lanes for $name {
@@ -85,11 +85,6 @@ macro_rules! lanes {
                 let $some = &from[..from.len().min($count)];
                 // SAFETY: as above; lanes behind the end are masked, and those are not read.
                 Self(unsafe { $load_some })
-            }
-            #[inline(always)]
-            fn load4(from: [f32; 4]) -> Self {
-                // SAFETY: as above.
-                Self(unsafe { $widen(_mm_loadu_ps(from.as_ptr())) })
             }
             #[inline(always)]
             fn prefetch(values: &[f32]) {
@@ -173,7 +168,6 @@ lanes!(
     8,
     _mm256_set1_ps,
     _mm256_loadu_ps,
-    _mm256_zextps128_ps256,
     _mm256_storeu_ps,
     _mm256_add_ps,
     _mm256_sub_ps,
@@ -202,7 +196,6 @@ lanes!(
     16,
     _mm512_set1_ps,
     _mm512_loadu_ps,
-    _mm512_zextps128_ps512,
     _mm512_storeu_ps,
     _mm512_add_ps,
     _mm512_sub_ps,

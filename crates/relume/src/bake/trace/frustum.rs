@@ -6,7 +6,11 @@ use crate::simd::{Lanes, Mask};
 
 /// Four planes through the origin with the directions on their positive side. Planes without a normal have everything there.
 #[derive(Clone, Copy, Default)]
-pub struct Frustum([Plane; 4]);
+pub struct Frustum {
+    planes: [Plane; 4],
+    /// The mean direction; zero where there is none.
+    pub middle: Vec3,
+}
 
 #[derive(Clone, Copy, Default)]
 struct Plane {
@@ -31,23 +35,27 @@ impl Frustum {
         let (a, b) = middle.any_orthonormal_pair();
         let ahead = along([x, y, z], middle);
         if ahead.below(L::splat(SPREAD)).bits() & used != 0 {
-            return Self::default();
+            return Self {
+                middle,
+                ..Self::default()
+            };
         }
         let (low_a, high_a) = range(along([x, y, z], a).over(ahead), used);
         let (low_b, high_b) = range(along([x, y, z], b).over(ahead), used);
-        Self([
+        let planes = [
             Plane::new(a - middle * (low_a - MARGIN)),
             Plane::new(middle * (high_a + MARGIN) - a),
             Plane::new(b - middle * (low_b - MARGIN)),
             Plane::new(middle * (high_b + MARGIN) - b),
-        ])
+        ];
+        Self { planes, middle }
     }
 
     /// Which boxes it may reach: `bounds` are their least x, y, z and greatest x, y, z relative to the origin.
     #[inline(always)]
     pub fn boxes<L: Lanes>(&self, bounds: &[L; 8]) -> u32 {
         let mut worst = L::splat(f32::INFINITY);
-        for plane in &self.0 {
+        for plane in &self.planes {
             let [x, y, z] = plane.farthest;
             let along = bounds[usize::from(x & 7)] * L::splat(plane.normal[0])
                 + bounds[usize::from(y & 7)] * L::splat(plane.normal[1])

@@ -10,6 +10,8 @@
 #[cfg(all(feature = "embree", any(unix, windows)))]
 pub mod embree;
 mod frustum;
+mod leaf;
+mod occluders;
 mod packet;
 mod rays;
 mod tree;
@@ -21,6 +23,7 @@ use glam::Vec3;
 use crate::scene::World;
 use crate::simd::Level;
 
+pub use occluders::Occluders;
 pub use rays::Rays;
 pub use walk::rays_of;
 
@@ -74,12 +77,10 @@ impl<'w> Tracer<'w> {
     pub fn closest_from(&self, origin: Vec3, rays: &Rays, hits: &mut [Hit]) {
         assert_eq!(rays.len(), hits.len(), "one hit per ray");
         match &self.caster {
-            Caster::Packets { tree, level } => level.run(walk::Closest {
-                tracer: self,
-                tree,
-                origin,
+            Caster::Packets { tree, level } => level.run(walk::Cast {
+                ground: self.ground(tree, origin),
                 rays,
-                hits,
+                sought: walk::Closest(hits),
             }),
             #[cfg(all(feature = "embree", any(unix, windows)))]
             Caster::Embree(embree) => embree.closest_from(origin, rays, |i, triangle, t| {
@@ -88,19 +89,31 @@ impl<'w> Tracer<'w> {
         }
     }
 
-    /// Which rays meet nothing: bit i mod 64 of `open[i / 64]` ([`rays_of`] lists them).
-    pub fn open_from(&self, origin: Vec3, rays: &Rays, open: &mut [u64]) {
+    /// Which rays meet nothing: bit i mod 64 of `open[i / 64]` ([`rays_of`] lists them). `occluders` make it faster from one origin to the next.
+    pub fn open_from(
+        &self,
+        origin: Vec3,
+        rays: &Rays,
+        open: &mut [u64],
+        occluders: &mut Occluders,
+    ) {
         assert_eq!(rays.words(), open.len(), "one bit per ray");
         match &self.caster {
-            Caster::Packets { tree, level } => level.run(walk::Open {
-                tracer: self,
-                tree,
-                origin,
+            Caster::Packets { tree, level } => level.run(walk::Cast {
+                ground: self.ground(tree, origin),
                 rays,
-                open,
+                sought: walk::Open { open, occluders },
             }),
             #[cfg(all(feature = "embree", any(unix, windows)))]
             Caster::Embree(embree) => embree.open_from(origin, rays, open),
+        }
+    }
+
+    fn ground<'a>(&'a self, tree: &'a tree::Tree, origin: Vec3) -> walk::Ground<'a> {
+        walk::Ground {
+            tracer: self,
+            tree,
+            origin,
         }
     }
 

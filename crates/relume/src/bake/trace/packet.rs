@@ -1,205 +1,83 @@
 //! A packet of rays from one origin, in groups of lanes.
 
+use std::marker::PhantomData;
+
 use glam::Vec3;
 
 use super::Hit;
 use super::frustum::Frustum;
+use super::leaf::Leaf;
 use super::rays::{PACKET, Rays};
-use super::triangle::{Corners, Shapes, at, intersect};
 use crate::simd::{Lanes, Mask};
 
 /// Three roundings a slab [ize2013]: widened by more, a box never loses a ray that grazes what is in it.
 const WIDER: f32 = 1.0 + 4.0 * f32::EPSILON;
 
-/// [`PACKET`] rays of one origin as `G` groups, and the nearest surface each has met so far.
-pub struct Packet<L: Lanes, const G: usize> {
-    pub groups: [Group<L>; G],
-    /// What each ray has met.
+/// [`PACKET`] rays of one origin as `G` groups, and what each has met so far.
+///
+/// Sets of its rays are words of bits, bit i for ray i; group g has the `L::COUNT` bits from g · `L::COUNT` on.
+pub struct Packet<'r, L: Lanes, const G: usize> {
+    pub groups: [Group; G],
+    /// Rays that still look for something.
+    pub alive: u64,
+    /// Distance of the surface each ray has met.
+    pub t: [f32; PACKET],
+    /// Its triangle.
     pub triangles: [u32; PACKET],
-    /// Bit g: group g has rays that still look for something.
-    alive: u32,
-}
-
-/// Rays that travel together.
-#[derive(Clone, Copy)]
-pub struct Group<L: Lanes> {
-    pub frustum: Frustum,
-    direction: [L; 3],
+    direction: [&'r [f32; PACKET]; 3],
     /// 1/x, 1/y, 1/z.
-    inverse: [L; 3],
-    /// Where the directions of all lanes share the signs of their components: which are negative.
+    inverse: [[f32; PACKET]; 3],
+    lanes: PhantomData<L>,
+}
+
+/// Neighbours among the rays.
+#[derive(Clone, Copy, Default)]
+pub struct Group {
+    pub frustum: Frustum,
+    /// Where the directions of all rays share the signs of their components: which are negative.
     octant: Option<[bool; 3]>,
-    /// To the nearest surface.
-    t: L,
-    /// The square of the largest of those distances; a little more.
-    pub reach: f32,
-    /// Lanes that look for something.
-    alive: u32,
+    /// The leaf that last stopped a ray.
+    pub occluder: Option<usize>,
 }
 
-/// A leaf's triangle, ready to be met.
-pub struct Candidate<'a, L: Lanes> {
-    pub shapes: &'a Shapes,
-    pub corners: &'a Corners<L>,
-    pub lane: usize,
-    pub triangle: u32,
-    pub masked: bool,
-}
-
-impl<L: Lanes, const G: usize> Packet<L, G> {
-    /// The rays from `first` on, as many as there are.
+impl<'r, L: Lanes, const G: usize> Packet<'r, L, G> {
+    /// Packet `i` of the rays.
     #[inline(always)]
-    pub fn new(rays: &Rays, first: usize) -> Self {
+    pub fn new(rays: &'r Rays, i: usize) -> Self {
+        let (direction, used) = rays.packet(i);
         let mut packet = Self {
-            groups: [Group::nothing(); G],
+            groups: [Group::default(); G],
+            alive: u64::MAX >> (PACKET - used),
+            t: [f32::INFINITY; PACKET],
             triangles: [Hit::NONE; PACKET],
-            alive: 0,
+            direction,
+            inverse: [[0.0; PACKET]; 3],
+            lanes: PhantomData,
         };
-        for (g, group) in packet.groups.iter_mut().enumerate() {
-            let start = first + g * L::COUNT;
-            let used = rays.len().saturating_sub(start).min(L::COUNT);
-            if used > 0 {
-                let lanes = ((1_u64 << used) - 1) as u32;
-                *group = Group::new(rays, start, lanes);
-                packet.alive |= 1 << g;
-            }
+        for g in 0..G {
+            packet.set_up(g);
         }
         packet
     }
 
-    /// Groups that still look for something.
     #[inline(always)]
-    pub fn alive(&self) -> u32 {
-        self.alive
-    }
-
-    /// One bit per ray that still looks for something, in the order of the rays.
-    #[inline(always)]
-    pub fn open(&self) -> u64 {
-        let mut open = 0;
-        for (g, group) in self.groups.iter().enumerate() {
-            open |= u64::from(group.alive) << (g * L::COUNT);
-        }
-        open
-    }
-
-    /// The distance of each ray's surface.
-    #[inline(always)]
-    pub fn distances(&self, to: &mut [f32; PACKET]) {
-        for (g, group) in self.groups.iter().enumerate() {
-            group.t.store(&mut to[g * L::COUNT..]);
-        }
-    }
-
-    /// Rays of group `g` that meet the triangle look no further. `solid` tells where it has no hole.
-    #[inline(always)]
-    pub fn meet_any(&mut self, g: usize, candidate: &Candidate<L>, solid: impl Fn(Vec3) -> bool) {
-        let group = &mut self.groups[g];
-        let (maybe, sure) = group.inside(candidate);
-        let mut met = sure;
-        for lane in bits(maybe & !sure) {
-            let corners = at(candidate.corners, candidate.lane);
-            met |= u32::from(intersect(corners, group.direction(lane)).is_some()) << lane;
-        }
-        if candidate.masked {
-            for lane in bits(met) {
-                met &= !(u32::from(!solid(group.direction(lane))) << lane);
-            }
-        }
-        group.alive &= !met;
-        self.alive &= !(u32::from(group.alive == 0) << g);
-    }
-
-    /// The triangle becomes what those rays of group `g` have met to which it is nearer (or as near, and of lower index).
-    #[inline(always)]
-    pub fn meet_closest(
-        &mut self,
-        g: usize,
-        candidate: &Candidate<L>,
-        solid: impl Fn(Vec3) -> bool,
-    ) {
-        let group = &mut self.groups[g];
-        let (maybe, sure) = group.inside(candidate);
-        if maybe == 0 {
+    fn set_up(&mut self, g: usize) {
+        let used = Self::of_group(self.alive, g);
+        if used == 0 {
             return;
         }
-        let (shapes, lane) = (candidate.shapes, candidate.lane);
-        let [x, y, z] = &shapes.normal;
-        let along = dot(group.direction, [x[lane], y[lane], z[lane]]);
-        let mut found = L::splat(shapes.height[lane]).over(along);
-        // A height too large or too small for f32 is left to f64, too.
-        let fits = L::splat(0.0).below(found) & found.below(L::splat(f32::INFINITY));
-        let mut met = sure & fits.bits();
-        if maybe != met {
-            let mut distances = [0.0; 16];
-            found.store(&mut distances);
-            for ray in bits(maybe & !met) {
-                let corners = at(candidate.corners, candidate.lane);
-                if let Some(t) = intersect(corners, group.direction(ray)) {
-                    distances[ray] = t;
-                    met |= 1 << ray;
-                }
-            }
-            found = L::load(&distances);
-        }
-        let mut nearer = met & found.at_most(group.t).bits();
-        if nearer == 0 {
-            return;
-        }
-        let triangles = &mut self.triangles[g * L::COUNT..][..L::COUNT];
-        let tied = nearer & !found.below(group.t).bits();
-        for ray in bits(tied) {
-            nearer &= !(u32::from(triangles[ray] < candidate.triangle) << ray);
-        }
-        if candidate.masked {
-            for ray in bits(nearer) {
-                nearer &= !(u32::from(!solid(group.direction(ray))) << ray);
-            }
-        }
-        for ray in bits(nearer) {
-            triangles[ray] = candidate.triangle;
-        }
-        group.t = L::select(L::Mask::from_bits(nearer), found, group.t);
-        group.look_no_further();
-    }
-}
-
-impl<L: Lanes> Group<L> {
-    #[inline(always)]
-    fn nothing() -> Self {
-        Self {
-            frustum: Frustum::default(),
-            direction: [L::splat(0.0); 3],
-            inverse: [L::splat(0.0); 3],
-            octant: None,
-            t: L::splat(f32::INFINITY),
-            reach: f32::INFINITY,
-            alive: 0,
-        }
-    }
-
-    /// The rays from `start` on whose bit is set in `alive`.
-    #[inline(always)]
-    fn new(rays: &Rays, start: usize, alive: u32) -> Self {
-        let range = start..start + L::COUNT;
-        let parts = [
-            &rays.x[range.clone()],
-            &rays.y[range.clone()],
-            &rays.z[range],
-        ];
-        let direction = [L::load(parts[0]), L::load(parts[1]), L::load(parts[2])];
-        let frustum = Frustum::around(direction, alive);
+        let direction = self.directions(g);
         let (zero, tiny) = (L::splat(0.0), L::splat(1e-18));
         let mut octant = Some([false; 3]);
-        let mut inverse = [zero; 3];
         for axis in 0..3 {
             let d = direction[axis];
             let negative = d.below(zero);
             // A zero component becomes a huge inverse: its slab is then all or nothing, without 0 · ∞.
             let size = L::select(negative, zero - d, d).most(tiny);
-            inverse[axis] = L::splat(1.0).over(L::select(negative, zero - size, size));
-            let bits = negative.bits() & alive;
-            if bits == alive {
+            let inverse = L::splat(1.0).over(L::select(negative, zero - size, size));
+            inverse.store(&mut self.inverse[axis][g * L::COUNT..]);
+            let bits = negative.bits() & used;
+            if bits == used {
                 if let Some(octant) = &mut octant {
                     octant[axis] = true;
                 }
@@ -207,21 +85,42 @@ impl<L: Lanes> Group<L> {
                 octant = None;
             }
         }
-        Self {
-            frustum,
-            direction,
-            inverse,
+        self.groups[g] = Group {
+            frustum: Frustum::around(direction, used),
             octant,
-            alive,
-            ..Self::nothing()
-        }
+            occluder: None,
+        };
     }
 
-    /// Whether any ray meets the box (relative to the origin) before what it has met.
+    /// The rays of group `g` among `rays`, from bit 0 on.
     #[inline(always)]
-    pub fn meets(&self, low: [f32; 3], high: [f32; 3]) -> bool {
-        let [ix, iy, iz] = self.inverse;
-        let (near, far) = if let Some(negative) = self.octant {
+    pub fn of_group(rays: u64, g: usize) -> u32 {
+        let all = (1_u64 << L::COUNT) - 1;
+        (rays >> (g * L::COUNT) & all) as u32
+    }
+
+    /// The other way.
+    #[inline(always)]
+    pub fn from_group(rays: u32, g: usize) -> u64 {
+        u64::from(rays) << (g * L::COUNT)
+    }
+
+    /// The rays of group `g` that have met nothing before a distance, given squared.
+    #[inline(always)]
+    pub fn reach(&self, g: usize, squared_distance: f32) -> u32 {
+        let t = self.load(&self.t, g);
+        // The distance to a box is rounded, too.
+        L::splat(squared_distance)
+            .at_most(t * t * L::splat(1.0 + 1e-5))
+            .bits()
+    }
+
+    /// The rays of group `g` that meet the box (relative to the origin) before what they have met.
+    #[inline(always)]
+    pub fn meet_box(&self, g: usize, low: [f32; 3], high: [f32; 3]) -> u32 {
+        let [x, y, z] = &self.inverse;
+        let [ix, iy, iz] = [self.load(x, g), self.load(y, g), self.load(z, g)];
+        let (near, far) = if let Some(negative) = self.groups[g].octant {
             // The planes that a ray enters by are the same for all.
             let ((x0, x1), (y0, y1), (z0, z1)) = (
                 in_order(negative[0], low[0], high[0]),
@@ -243,74 +142,161 @@ impl<L: Lanes> Group<L> {
             let far = x0.most(x1).least(y0.most(y1)).least(z0.most(z1));
             (near, far)
         };
-        let enter = near.most(L::splat(0.0));
-        let leave = far.least(self.t) * L::splat(WIDER);
-        enter.at_most(leave).bits() & self.alive != 0
+        enters::<L>(near, far, self.load(&self.t, g))
     }
 
+    /// The boxes that ray `ray` meets before what it has met: `boxes` are their least x, y, z and greatest x, y, z relative to the origin.
     #[inline(always)]
-    fn direction(&self, lane: usize) -> Vec3 {
-        let [mut x, mut y, mut z] = [[0.0; 16]; 3];
-        self.direction[0].store(&mut x);
-        self.direction[1].store(&mut y);
-        self.direction[2].store(&mut z);
-        Vec3::new(x[lane], y[lane], z[lane])
-    }
-
-    /// Lanes that may meet the triangle, and those of them that surely do: their edge functions are beyond doubt.
-    #[inline(always)]
-    fn inside(&self, candidate: &Candidate<L>) -> (u32, u32) {
-        let (shapes, lane) = (candidate.shapes, candidate.lane);
+    pub fn meet_boxes(&self, ray: usize, boxes: &[L; 8]) -> u32 {
+        let [x, y, z] = [
+            self.inverse[0][ray],
+            self.inverse[1][ray],
+            self.inverse[2][ray],
+        ];
+        let [ix, iy, iz] = [L::splat(x), L::splat(y), L::splat(z)];
+        // The planes it enters by.
         let [a, b, c] = [
-            self.edge(shapes, 0, lane),
-            self.edge(shapes, 1, lane),
-            self.edge(shapes, 2, lane),
+            usize::from(x < 0.0) * 3,
+            usize::from(y < 0.0) * 3,
+            usize::from(z < 0.0) * 3,
         ];
-        let [p, q, r] = [
-            shapes.doubts[0][lane],
-            shapes.doubts[1][lane],
-            shapes.doubts[2][lane],
-        ];
-        let not_out = L::splat(-p).at_most(a) & L::splat(-q).at_most(b) & L::splat(-r).at_most(c);
-        let maybe = not_out.bits() & self.alive;
+        let near = (boxes[a] * ix)
+            .most(boxes[1 + b] * iy)
+            .most(boxes[2 + c] * iz);
+        let far = (boxes[3 - a] * ix)
+            .least(boxes[4 - b] * iy)
+            .least(boxes[5 - c] * iz);
+        enters::<L>(near, far, L::splat(self.t[ray]))
+    }
+
+    /// Those `rays` of group `g` that meet a triangle of the leaf look no further.
+    #[inline(always)]
+    pub fn stop_group(&mut self, g: usize, rays: u32, leaf: &Leaf<L>) {
+        let directions = self.directions(g);
+        let mut met = 0;
+        for lane in bits(leaf.useful) {
+            let (maybe, sure) = leaf.shapes.rays_inside(lane, directions);
+            let maybe = maybe & rays & !met;
+            if !leaf.is_masked(lane) {
+                met |= sure & maybe;
+            }
+            for ray in bits(maybe & !met) {
+                let stopped = self.is_stopped(g * L::COUNT + ray, sure >> ray & 1 != 0, leaf, lane);
+                met |= u32::from(stopped) << ray;
+            }
+        }
+        if met != 0 {
+            self.groups[g].occluder = Some(leaf.index);
+            self.alive &= !Self::from_group(met, g);
+        }
+    }
+
+    /// Ray `ray` looks no further if it meets a triangle of the leaf.
+    #[inline(always)]
+    pub fn stop_ray(&mut self, ray: usize, leaf: &Leaf<L>) {
+        let (maybe, sure) = leaf.shapes.triangles_around::<L>(self.direction(ray));
+        let maybe = maybe & leaf.useful;
+        let mut met = maybe & sure & !leaf.masked != 0;
+        if !met {
+            for lane in bits(maybe) {
+                met = met || self.is_stopped(ray, sure >> lane & 1 != 0, leaf, lane);
+            }
+        }
+        if met {
+            self.groups[ray / L::COUNT].occluder = Some(leaf.index);
+            self.alive &= !(1 << ray);
+        }
+    }
+
+    /// Whether a triangle stops a ray that is, or may be, within its edges.
+    #[cold]
+    fn is_stopped(&self, ray: usize, sure: bool, leaf: &Leaf<L>, lane: usize) -> bool {
+        let direction = self.direction(ray);
+        let met = sure || leaf.intersect(lane, direction).is_some();
+        met && leaf.is_solid(lane, direction)
+    }
+
+    /// The triangles of the leaf become what those `rays` of group `g` have met to which they are nearer.
+    #[inline(always)]
+    pub fn shorten_group(&mut self, g: usize, rays: u32, leaf: &Leaf<L>) {
+        let directions = self.directions(g);
+        for lane in bits(leaf.useful) {
+            let (maybe, sure) = leaf.shapes.rays_inside(lane, directions);
+            let maybe = maybe & rays;
+            if maybe == 0 {
+                continue;
+            }
+            let mut distances = [0.0; 16];
+            let known = sure & leaf.shapes.along_rays(lane, directions, &mut distances);
+            for ray in bits(maybe) {
+                let t = (known >> ray & 1 != 0).then_some(distances[ray]);
+                self.shorten(g * L::COUNT + ray, t, leaf, lane);
+            }
+        }
+    }
+
+    /// The triangles of the leaf become what ray `ray` has met if they are nearer.
+    #[inline(always)]
+    pub fn shorten_ray(&mut self, ray: usize, leaf: &Leaf<L>) {
+        let direction = self.direction(ray);
+        let (maybe, sure) = leaf.shapes.triangles_around::<L>(direction);
+        let maybe = maybe & leaf.useful;
         if maybe == 0 {
-            return (0, 0);
+            return;
         }
-        let sure = L::splat(p).below(a) & L::splat(q).below(b) & L::splat(r).below(c);
-        (maybe, sure.bits() & maybe)
+        let mut distances = [0.0; 16];
+        let known = sure & leaf.shapes.along_ray::<L>(direction, &mut distances);
+        for lane in bits(maybe) {
+            let t = (known >> lane & 1 != 0).then_some(distances[lane]);
+            self.shorten(ray, t, leaf, lane);
+        }
+    }
+
+    /// One triangle, that may be met at `t`, becomes what one ray has met if it is nearer, or as near and of lower index. Without `t`, f64 decides.
+    #[inline(always)]
+    fn shorten(&mut self, ray: usize, t: Option<f32>, leaf: &Leaf<L>, lane: usize) {
+        let direction = self.direction(ray);
+        let Some(t) = t.or_else(|| leaf.intersect(lane, direction)) else {
+            return;
+        };
+        let triangle = leaf.triangles[lane];
+        let nearer = t < self.t[ray] || t == self.t[ray] && triangle < self.triangles[ray];
+        if nearer && leaf.is_solid(lane, direction) {
+            self.t[ray] = t;
+            self.triangles[ray] = triangle;
+        }
     }
 
     #[inline(always)]
-    fn edge(&self, shapes: &Shapes, edge: usize, lane: usize) -> L {
-        let [x, y, z] = &shapes.edges[edge];
-        dot(self.direction, [x[lane], y[lane], z[lane]])
+    fn directions(&self, g: usize) -> [L; 3] {
+        let [x, y, z] = self.direction;
+        [self.load(x, g), self.load(y, g), self.load(z, g)]
     }
 
-    /// Takes the reach from what has been met.
     #[inline(always)]
-    fn look_no_further(&mut self) {
-        let mut distances = [0.0_f32; 16];
-        self.t.store(&mut distances);
-        let mut farthest = 0.0_f32;
-        for (lane, &t) in distances[..L::COUNT].iter().enumerate() {
-            let looks = self.alive >> lane & 1 != 0;
-            farthest = if looks && t > farthest { t } else { farthest };
-        }
-        // The distance to a box is rounded, too.
-        self.reach = farthest * farthest * (1.0 + 1e-5);
+    fn direction(&self, ray: usize) -> Vec3 {
+        let [x, y, z] = self.direction;
+        Vec3::new(x[ray], y[ray], z[ray])
     }
+
+    #[inline(always)]
+    fn load(&self, values: &[f32; PACKET], g: usize) -> L {
+        L::load(&values[g * L::COUNT..])
+    }
+}
+
+/// Where a slab is entered before it is left, ahead of the origin and before `t`.
+#[inline(always)]
+fn enters<L: Lanes>(near: L, far: L, t: L) -> u32 {
+    let enter = near.most(L::splat(0.0));
+    let leave = far.least(t) * L::splat(WIDER);
+    enter.at_most(leave).bits()
 }
 
 /// The plane a ray enters a slab by, and the one it leaves by.
 #[inline(always)]
 fn in_order(negative: bool, low: f32, high: f32) -> (f32, f32) {
     if negative { (high, low) } else { (low, high) }
-}
-
-/// Each lane's direction times `v`.
-#[inline(always)]
-fn dot<L: Lanes>([x, y, z]: [L; 3], v: [f32; 3]) -> L {
-    x * L::splat(v[0]) + y * L::splat(v[1]) + z * L::splat(v[2])
 }
 
 /// The positions of the bits that are set, ascending.

@@ -48,6 +48,16 @@ impl Rays {
         self.count.div_ceil(PACKET)
     }
 
+    /// The directions of packet `i`, and how many of them somebody asks about.
+    pub(super) fn packet(&self, i: usize) -> ([&[f32; PACKET]; 3], usize) {
+        let [x, y, z] = [
+            self.x.as_chunks().0,
+            self.y.as_chunks().0,
+            self.z.as_chunks().0,
+        ];
+        ([&x[i], &y[i], &z[i]], (self.count - i * PACKET).min(PACKET))
+    }
+
     /// Replaces all by `local` turned: its x along `frame[0]`, y along `frame[1]`, z along `frame[2]`.
     pub fn turn(&mut self, local: &Self, [a, b, c]: [Vec3; 3]) {
         self.resize(local.count);

@@ -202,16 +202,23 @@ fn every_instruction_set_finds_the_same_and_open_rays_are_those_that_miss() {
     let world = bumpy_torus(48, 24);
     let plain = Tracer::with_level(&world, Level::PORTABLE);
     let mut number = numbers(4);
-    for count in [1, 63, 64, 65, 1000] {
+    // What one origin leaves behind is tried from all others, and in other trees.
+    let mut occluders = Occluders::default();
+    for (count, narrow) in [1, 63, 64, 65, 1000]
+        .into_iter()
+        .flat_map(|count| [(count, false), (count, true)])
+    {
         let origin = Vec3::new(number(), number(), number());
-        // Half of them through corners, where doubt is largest.
-        let through = |i: usize| world.positions[i % world.positions.len()] - origin;
+        // Half of them through corners, where doubt is largest. In a narrow bundle whole groups reach the same leaves.
+        let corners = if narrow { 8 } else { world.positions.len() };
+        let through = |i: usize| world.positions[i % corners] - origin;
         let directions: Vec<Vec3> = (0..count)
             .map(|i| {
-                if i % 2 == 0 {
-                    through(7 * i)
-                } else {
-                    Vec3::new(number(), number(), number()) - 0.5
+                let aside = Vec3::new(number(), number(), number()) - 0.5;
+                match (i % 2 == 0, narrow) {
+                    (true, _) => through(7 * i),
+                    (false, true) => through(3) + aside * 0.1,
+                    (false, false) => aside,
                 }
             })
             .map(Vec3::normalize)
@@ -226,7 +233,7 @@ fn every_instruction_set_finds_the_same_and_open_rays_are_those_that_miss() {
             tracer.closest_from(origin, &rays, &mut hits);
             assert_eq!(hits, expected, "{level}");
             let mut open = vec![0; rays.words()];
-            tracer.open_from(origin, &rays, &mut open);
+            tracer.open_from(origin, &rays, &mut open, &mut occluders);
             assert_eq!(rays_of(&open).collect::<Vec<_>>(), missed, "{level}");
         }
     }
@@ -271,12 +278,28 @@ fn an_alpha_mask_lets_rays_through_its_holes() {
     Tracer::new(&world).closest_from(origin, &rays(&directions), &mut hits);
     assert!(hits[0].t > 2.5 && hits[1].t < 2.5, "{hits:?}");
     assert!(hits.iter().all(|hit| hit.front));
-    // Without the wall, the sky is seen through the hole alone.
+    // Without the wall, the sky is seen through the hole alone: by few rays, and by many that go down the tree together.
     let mut leaf_alone = world.clone();
     leaf_alone.triangles.truncate(2);
-    let mut open = [0];
-    Tracer::new(&leaf_alone).open_from(origin, &rays(&directions), &mut open);
-    assert_eq!(open, [0b01]);
+    let tracer = Tracer::new(&leaf_alone);
+    for count in [2, 64] {
+        let x = |i: u32| (i as f32 + 0.5) / count as f32;
+        let directions: Vec<Vec3> = (0..count)
+            .map(|i| (Vec3::new(x(i), 0.4, 1.0) - origin).normalize())
+            .collect();
+        let mut open = [0];
+        tracer.open_from(
+            origin,
+            &rays(&directions),
+            &mut open,
+            &mut Occluders::default(),
+        );
+        assert_eq!(open, [(1 << (count / 2)) - 1]);
+        let mut hits = vec![Hit::MISS; directions.len()];
+        Tracer::new(&world).closest_from(origin, &rays(&directions), &mut hits);
+        let (holes, leaf) = hits.split_at(directions.len() / 2);
+        assert!(holes.iter().all(|hit| hit.t > 2.5) && leaf.iter().all(|hit| hit.t < 2.5));
+    }
 }
 
 #[test]

@@ -10,23 +10,20 @@ use super::Hit;
 use crate::scene::{AlphaMode, World};
 use crate::simd::Lanes;
 
-/// Triangles of a leaf at most.
-pub const LEAF: usize = 4;
-
-/// A tree whose nodes have up to `width` children and whose leaves hold up to [`LEAF`] triangles, laid out as vectors.
+/// A tree whose nodes have up to `width` children and whose leaves hold up to `width` triangles, laid out as vectors of as many numbers.
 #[derive(Default)]
 pub struct Tree {
-    pub width: usize,
+    width: usize,
     /// Six vectors a node: the least x, y, z of its children's boxes, then the greatest.
-    pub boxes: Vec<f32>,
+    boxes: Vec<f32>,
     /// `width` a node.
     pub children: Vec<Child>,
     /// How many children each node has.
     pub counts: Vec<u8>,
-    /// Nine times [`LEAF`] a leaf: x, y, z of its triangles' first corners, second corners, third corners.
-    pub corners: Vec<f32>,
-    /// [`LEAF`] a leaf: which triangles they are, [`Hit::NONE`] past the last one.
-    pub triangles: Vec<u32>,
+    /// Nine vectors a leaf: x, y, z of its triangles' first corners, second corners, third corners.
+    corners: Vec<f32>,
+    /// `width` a leaf: which triangles they are, [`Hit::NONE`] past the last one.
+    triangles: Vec<u32>,
     /// How many each leaf has.
     pub sizes: Vec<u8>,
     /// In which of a leaf's triangles alpha can make a hole.
@@ -78,7 +75,7 @@ impl Tree {
             tree.push_node(&binary, &children);
             for (lane, &child) in children.iter().enumerate().rev() {
                 let place = node * width + lane;
-                if sizes[child] as usize <= LEAF {
+                if sizes[child] as usize <= width {
                     tree.children[place] = Child(Child::LEAF | tree.masked.len() as u32);
                     tree.push_leaf(&binary, child, world);
                 } else {
@@ -90,14 +87,19 @@ impl Tree {
         tree
     }
 
-    /// The corners of a leaf's triangles.
+    /// The corners of a leaf's triangles: nine vectors.
     #[inline(always)]
-    pub fn leaf(&self, leaf: usize) -> &[[f32; LEAF]] {
-        let (values, _) = self.corners[leaf * 9 * LEAF..][..9 * LEAF].as_chunks();
-        values
+    pub fn leaf(&self, leaf: usize) -> &[f32] {
+        &self.corners[leaf * 9 * self.width..][..9 * self.width]
     }
 
-    /// The boxes of a node's children.
+    /// Which triangles a leaf has.
+    #[inline(always)]
+    pub fn triangles(&self, leaf: usize) -> &[u32] {
+        &self.triangles[leaf * self.width..][..self.width]
+    }
+
+    /// The boxes of a node's children: six vectors.
     #[inline(always)]
     pub fn node(&self, node: usize) -> &[f32] {
         &self.boxes[node * 6 * self.width..][..6 * self.width]
@@ -107,7 +109,7 @@ impl Tree {
     #[inline(always)]
     pub fn prefetch<L: Lanes>(&self, child: Child) {
         match child.leaf() {
-            Some(leaf) => L::prefetch(self.leaf(leaf).as_flattened()),
+            Some(leaf) => L::prefetch(self.leaf(leaf)),
             None => L::prefetch(self.node(child.node())),
         }
     }
@@ -130,7 +132,7 @@ impl Tree {
     /// All triangles below `index` of the binary tree.
     fn push_leaf(&mut self, binary: &Bvh2, index: usize, world: &World) {
         let start = self.corners.len();
-        self.corners.resize(start + 9 * LEAF, 0.0);
+        self.corners.resize(start + 9 * self.width, 0.0);
         let mut masked = 0;
         let mut lane = 0;
         let mut below = vec![index];
@@ -144,7 +146,7 @@ impl Tree {
             for &triangle in &binary.primitive_indices[first..first + node.prim_count as usize] {
                 let corners = world.corners(triangle);
                 for (k, value) in corners.iter().flat_map(Vec3::to_array).enumerate() {
-                    self.corners[start + k * LEAF + lane] = value;
+                    self.corners[start + k * self.width + lane] = value;
                 }
                 let alpha = world.material(triangle).alpha;
                 masked |= u32::from(matches!(alpha, AlphaMode::Mask(_))) << lane;
@@ -154,7 +156,8 @@ impl Tree {
         }
         self.masked.push(masked);
         self.sizes.push(lane as u8);
-        self.triangles.resize(self.masked.len() * LEAF, Hit::NONE);
+        self.triangles
+            .resize(self.masked.len() * self.width, Hit::NONE);
     }
 }
 
@@ -165,7 +168,7 @@ fn opened(binary: &Bvh2, sizes: &[u32], index: usize, width: usize) -> Vec<usize
         let inner = children
             .iter()
             .enumerate()
-            .filter(|&(_, &child)| sizes[child] as usize > LEAF && !binary.nodes[child].is_leaf());
+            .filter(|&(_, &child)| sizes[child] as usize > width && !binary.nodes[child].is_leaf());
         let area = |child: usize| binary.nodes[child].aabb().half_area();
         let Some((place, &child)) = inner.max_by(|a, b| area(*a.1).total_cmp(&area(*b.1))) else {
             break;

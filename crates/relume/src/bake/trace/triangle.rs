@@ -81,6 +81,63 @@ impl Shapes {
         useful
     }
 
+    /// Rays of these directions that may meet a triangle, and those that surely are within its edges.
+    #[inline(always)]
+    pub fn rays_inside<L: Lanes>(&self, triangle: usize, direction: [L; 3]) -> (u32, u32) {
+        let [a, b, c] = [
+            dot(splat(&self.edges[0], triangle), direction),
+            dot(splat(&self.edges[1], triangle), direction),
+            dot(splat(&self.edges[2], triangle), direction),
+        ];
+        let doubts = [
+            L::splat(self.doubts[0][triangle]),
+            L::splat(self.doubts[1][triangle]),
+            L::splat(self.doubts[2][triangle]),
+        ];
+        inside([a, b, c], doubts)
+    }
+
+    /// Triangles that the ray may meet, and those within whose edges it surely is.
+    #[inline(always)]
+    pub fn triangles_around<L: Lanes>(&self, direction: Vec3) -> (u32, u32) {
+        let direction = [
+            L::splat(direction.x),
+            L::splat(direction.y),
+            L::splat(direction.z),
+        ];
+        let [a, b, c] = [
+            dot(load(&self.edges[0]), direction),
+            dot(load(&self.edges[1]), direction),
+            dot(load(&self.edges[2]), direction),
+        ];
+        let doubts: [L; 3] = load(&self.doubts);
+        inside([a, b, c], doubts)
+    }
+
+    /// The distances of a triangle's plane along the rays, and in which of them f32 can be trusted.
+    #[inline(always)]
+    pub fn along_rays<L: Lanes>(
+        &self,
+        triangle: usize,
+        direction: [L; 3],
+        distances: &mut [f32; 16],
+    ) -> u32 {
+        let along = dot(splat(&self.normal, triangle), direction);
+        distance(L::splat(self.height[triangle]), along, distances)
+    }
+
+    /// The distances of the triangles' planes along the ray, and in which of them f32 can be trusted.
+    #[inline(always)]
+    pub fn along_ray<L: Lanes>(&self, direction: Vec3, distances: &mut [f32; 16]) -> u32 {
+        let direction = [
+            L::splat(direction.x),
+            L::splat(direction.y),
+            L::splat(direction.z),
+        ];
+        let along = dot(load(&self.normal), direction);
+        distance(L::load(&self.height), along, distances)
+    }
+
     /// The edge function from p to q.
     #[inline(always)]
     fn edge<L: Lanes>(&mut self, edge: usize, p: [L; 3], q: [L; 3], sign: L) {
@@ -91,6 +148,40 @@ impl Shapes {
         }
         (L::splat(DOUBT) * size(along) * size(across)).store(&mut self.doubts[edge]);
     }
+}
+
+/// Lanes that are not outside beyond doubt, and those that are inside beyond doubt.
+#[inline(always)]
+fn inside<L: Lanes>([a, b, c]: [L; 3], [p, q, r]: [L; 3]) -> (u32, u32) {
+    let zero = L::splat(0.0);
+    let maybe = (zero - p).at_most(a) & (zero - q).at_most(b) & (zero - r).at_most(c);
+    let sure = p.below(a) & q.below(b) & r.below(c);
+    (maybe.bits(), sure.bits())
+}
+
+/// A height too large or too small for f32 is left to f64, too.
+#[inline(always)]
+fn distance<L: Lanes>(height: L, along: L, distances: &mut [f32; 16]) -> u32 {
+    let found = height.over(along);
+    found.store(distances);
+    let fits = L::splat(0.0).below(found) & found.below(L::splat(f32::INFINITY));
+    fits.bits()
+}
+
+/// The same triangle's vector in all lanes.
+#[inline(always)]
+fn splat<L: Lanes>([x, y, z]: &[[f32; 16]; 3], triangle: usize) -> [L; 3] {
+    [
+        L::splat(x[triangle]),
+        L::splat(y[triangle]),
+        L::splat(z[triangle]),
+    ]
+}
+
+/// A triangle's vector in each lane.
+#[inline(always)]
+fn load<L: Lanes>([x, y, z]: &[[f32; 16]; 3]) -> [L; 3] {
+    [L::load(x), L::load(y), L::load(z)]
 }
 
 #[inline(always)]

@@ -1,114 +1,148 @@
 //! Packets through the tree.
+//!
+//! A packet goes down together. Near the top, groups of its rays are held against a node's boxes by their frusta, then ray by ray; near the
+//! bottom triangles are small beside the gaps between rays, and the few rays of a group that reach a node are each held against all of its boxes
+//! at once.
 
 use glam::Vec3;
 
-use super::packet::{Candidate, Packet, bits};
+use super::leaf::Leaf;
+use super::occluders::Occluders;
+use super::packet::{Packet, bits};
 use super::rays::{PACKET, Rays};
-use super::tree::{Child, LEAF, Tree};
-use super::triangle::{Corners, Shapes};
+use super::tree::{Child, Tree};
 use super::{Hit, Tracer};
 use crate::simd::{Kernel, Lanes};
 
-/// The first surface along each ray.
-pub struct Closest<'a> {
+/// Where rays run.
+#[derive(Clone, Copy)]
+pub struct Ground<'a> {
     pub tracer: &'a Tracer<'a>,
     pub tree: &'a Tree,
+    /// Where they start.
     pub origin: Vec3,
-    pub rays: &'a Rays,
-    pub hits: &'a mut [Hit],
 }
 
-/// Which rays meet nothing.
-pub struct Open<'a> {
-    pub tracer: &'a Tracer<'a>,
-    pub tree: &'a Tree,
-    pub origin: Vec3,
+/// All rays, packet by packet.
+pub struct Cast<'a, S> {
+    pub ground: Ground<'a>,
     pub rays: &'a Rays,
-    pub open: &'a mut [u64],
+    pub sought: S,
 }
 
-impl Kernel for Closest<'_> {
+/// What is sought along rays.
+pub trait Sought {
+    /// Looks for it along those of packet `i`.
+    fn seek<L: Lanes, const G: usize>(&mut self, ground: &Ground, rays: &Rays, i: usize);
+}
+
+impl<S: Sought> Kernel for Cast<'_, S> {
     type Output = ();
 
     #[inline(always)]
-    fn run<L: Lanes>(self) {
-        match PACKET / L::COUNT {
-            4 => self.packets::<L, 4>(),
-            _ => self.packets::<L, 8>(),
-        }
-    }
-}
-
-impl Closest<'_> {
-    #[inline(always)]
-    fn packets<L: Lanes, const G: usize>(self) {
-        let mut distances = [0.0; PACKET];
-        for (i, hits) in self.hits.chunks_mut(PACKET).enumerate() {
-            let first = i * PACKET;
-            let mut packet = Packet::<L, G>::new(self.rays, first);
-            walk::<L, G, true>(self.tracer, self.tree, self.origin, &mut packet);
-            packet.distances(&mut distances);
-            for (k, hit) in hits.iter_mut().enumerate() {
-                let direction = self.rays.get(first + k);
-                let triangle = packet.triangles[k];
-                *hit = self
-                    .tracer
-                    .hit(self.origin, direction, triangle, distances[k]);
+    fn run<L: Lanes>(mut self) {
+        for i in 0..self.rays.words() {
+            match PACKET / L::COUNT {
+                4 => self.sought.seek::<L, 4>(&self.ground, self.rays, i),
+                _ => self.sought.seek::<L, 8>(&self.ground, self.rays, i),
             }
         }
     }
 }
 
-impl Kernel for Open<'_> {
-    type Output = ();
+/// The first surface along each ray.
+pub struct Closest<'a>(pub &'a mut [Hit]);
 
+impl Sought for Closest<'_> {
     #[inline(always)]
-    fn run<L: Lanes>(self) {
-        match PACKET / L::COUNT {
-            4 => self.packets::<L, 4>(),
-            _ => self.packets::<L, 8>(),
+    fn seek<L: Lanes, const G: usize>(&mut self, ground: &Ground, rays: &Rays, i: usize) {
+        let mut packet = Packet::<L, G>::new(rays, i);
+        walk::<L, G, true>(ground, &mut packet);
+        let first = i * PACKET;
+        let hits = self.0[first..]
+            .iter_mut()
+            .zip(packet.triangles)
+            .zip(packet.t);
+        for (k, ((hit, triangle), t)) in hits.enumerate() {
+            *hit = ground
+                .tracer
+                .hit(ground.origin, rays.get(first + k), triangle, t);
         }
+    }
+}
+
+/// Which rays meet nothing.
+pub struct Open<'a> {
+    pub open: &'a mut [u64],
+    pub occluders: &'a mut Occluders,
+}
+
+impl Sought for Open<'_> {
+    #[inline(always)]
+    fn seek<L: Lanes, const G: usize>(&mut self, ground: &Ground, rays: &Rays, i: usize) {
+        let mut packet = Packet::<L, G>::new(rays, i);
+        self.try_last(ground, &mut packet);
+        walk::<L, G, false>(ground, &mut packet);
+        for group in &packet.groups {
+            if let Some(leaf) = group.occluder {
+                self.occluders.remember(group.frustum.middle, leaf);
+            }
+        }
+        self.open[i] = packet.alive;
     }
 }
 
 impl Open<'_> {
+    /// Tries what stopped rays there before, on the whole packet: neighbouring groups often remember the same.
     #[inline(always)]
-    fn packets<L: Lanes, const G: usize>(self) {
-        for (i, open) in self.open.iter_mut().enumerate() {
-            let mut packet = Packet::<L, G>::new(self.rays, i * PACKET);
-            walk::<L, G, false>(self.tracer, self.tree, self.origin, &mut packet);
-            *open = packet.open();
+    fn try_last<L: Lanes, const G: usize>(&mut self, ground: &Ground, packet: &mut Packet<L, G>) {
+        let mut tried = None;
+        for g in 0..G {
+            if packet.alive == 0 {
+                return;
+            }
+            let middle = packet.groups[g].frustum.middle;
+            let last = self.occluders.leaf(middle, ground.tree.sizes.len());
+            let Some(leaf) = last.filter(|_| last != tried) else {
+                continue;
+            };
+            tried = last;
+            let before = packet.alive;
+            meet_leaf::<L, G, false>(ground, leaf, packet.alive, packet);
+            if packet.alive == before {
+                self.occluders.forget(middle);
+            }
         }
     }
 }
 
-/// A node or leaf still to visit, the groups of rays that reach it, and its squared distance.
+/// A node or leaf still to visit, the rays that reach it, and its squared distance.
 #[derive(Clone, Copy)]
 struct Visit {
+    rays: u64,
     child: Child,
-    groups: u32,
     distance: f32,
 }
 
 /// Room on the stack for all but degenerate trees.
 const ROOM: usize = 256;
+/// As many rays of a group are held one by one against the boxes of a node.
+const FEW: u32 = 3;
+/// As many rays of a group are held one by one against the triangles of a leaf.
+const FEW_AT_LEAF: u32 = 8;
 
-/// Depth first, the nearest child first, each with the groups of rays whose frusta reach its box.
+/// Depth first, the nearest child first.
 ///
 /// `CLOSEST`: to the nearest surface; otherwise a ray is done when it has met any.
 #[inline(always)]
-fn walk<L: Lanes, const G: usize, const CLOSEST: bool>(
-    tracer: &Tracer,
-    tree: &Tree,
-    origin: Vec3,
-    packet: &mut Packet<L, G>,
-) {
+fn walk<L: Lanes, const G: usize, const CLOSEST: bool>(ground: &Ground, packet: &mut Packet<L, G>) {
+    let tree = ground.tree;
     if tree.counts.is_empty() {
         return;
     }
     let root = Visit {
+        rays: packet.alive,
         child: Child::ROOT,
-        groups: packet.alive(),
         distance: 0.0,
     };
     let mut fixed = [root; ROOM];
@@ -123,76 +157,75 @@ fn walk<L: Lanes, const G: usize, const CLOSEST: bool>(
     while depth > 0 {
         depth -= 1;
         let visit = stack[depth];
-        let mut groups = visit.groups & packet.alive();
+        let mut rays = visit.rays & packet.alive;
         if CLOSEST {
-            for g in bits(groups) {
-                groups &= !(u32::from(visit.distance > packet.groups[g].reach) << g);
+            let mut reach = 0;
+            for g in 0..G {
+                reach |= Packet::<L, G>::from_group(packet.reach(g, visit.distance), g);
             }
+            rays &= reach;
         }
-        if groups == 0 {
+        if rays == 0 {
             continue;
         }
         if let Some(leaf) = visit.child.leaf() {
-            meet_leaf::<L, G, CLOSEST>(tracer, tree, origin, leaf, groups, packet);
+            meet_leaf::<L, G, CLOSEST>(ground, leaf, rays, packet);
         } else {
-            depth = push_children::<L, G, CLOSEST>(
-                tree,
-                origin,
-                visit.child.node(),
-                groups,
-                packet,
-                stack,
-                depth,
-            );
+            depth = push_children(ground, visit.child.node(), rays, packet, stack, depth);
         }
     }
 }
 
-/// Puts the children that some group reaches on the stack, the nearest on top; returns its new depth.
+/// Puts the children that some ray reaches on the stack, the nearest on top; returns its new depth.
 #[inline(always)]
-fn push_children<L: Lanes, const G: usize, const CLOSEST: bool>(
-    tree: &Tree,
-    origin: Vec3,
+fn push_children<L: Lanes, const G: usize>(
+    ground: &Ground,
     node: usize,
-    groups: u32,
+    rays: u64,
     packet: &Packet<L, G>,
     stack: &mut [Visit],
     mut depth: usize,
 ) -> usize {
-    let relative = relative_boxes::<L>(tree.node(node), origin);
+    let tree = ground.tree;
+    let relative = relative_boxes::<L>(tree.node(node), ground.origin);
+    let mut planes = [[0.0; 16]; 6];
+    for (plane, vector) in planes.iter_mut().zip(&relative) {
+        vector.store(plane);
+    }
     let used = (1_u32 << tree.counts[node]) - 1;
-    let mut reached = [0_u32; G];
+    let mut reached = [0_u64; 16];
     let mut any = 0;
-    for g in bits(groups) {
-        let boxes = packet.groups[g].frustum.boxes(&relative) & used;
-        reached[g] = boxes;
-        any |= boxes;
+    for g in 0..G {
+        let rays = Packet::<L, G>::of_group(rays, g);
+        if rays.count_ones() <= FEW {
+            for ray in bits(rays) {
+                let ray = g * L::COUNT + ray;
+                let boxes = packet.meet_boxes(ray, &relative) & used;
+                any |= boxes;
+                for lane in bits(boxes) {
+                    reached[lane] |= 1 << ray;
+                }
+            }
+            continue;
+        }
+        for lane in bits(packet.groups[g].frustum.boxes(&relative) & used) {
+            let low = [planes[0][lane], planes[1][lane], planes[2][lane]];
+            let high = [planes[3][lane], planes[4][lane], planes[5][lane]];
+            let met = packet.meet_box(g, low, high) & rays;
+            any |= u32::from(met != 0) << lane;
+            reached[lane] |= Packet::<L, G>::from_group(met, g);
+        }
     }
     if any == 0 {
         return depth;
     }
     let distances = squared_distances(&relative);
     let children = &tree.children[node * L::COUNT..][..L::COUNT];
-    let mut planes = [[0.0; 16]; 6];
-    for (plane, vector) in planes.iter_mut().zip(&relative) {
-        vector.store(plane);
-    }
     let bottom = depth;
     for lane in bits(any) {
-        let low = [planes[0][lane], planes[1][lane], planes[2][lane]];
-        let high = [planes[3][lane], planes[4][lane], planes[5][lane]];
-        let mut groups = 0;
-        for (g, reached) in reached.iter().enumerate() {
-            if reached >> lane & 1 != 0 {
-                groups |= u32::from(packet.groups[g].meets(low, high)) << g;
-            }
-        }
-        if groups == 0 {
-            continue;
-        }
         let visit = Visit {
+            rays: reached[lane],
             child: children[lane],
-            groups,
             distance: distances[lane],
         };
         // Insertion sort: few children are reached.
@@ -239,58 +272,33 @@ fn squared_distances<L: Lanes>(relative: &[L; 8]) -> [f32; 16] {
 
 /// The `k`-th vector of a node or leaf.
 #[inline(always)]
-fn vector<L: Lanes>(values: &[f32], k: usize) -> L {
+pub fn vector<L: Lanes>(values: &[f32], k: usize) -> L {
     L::load(&values[k * L::COUNT..])
 }
 
 #[inline(always)]
 fn meet_leaf<L: Lanes, const G: usize, const CLOSEST: bool>(
-    tracer: &Tracer,
-    tree: &Tree,
-    origin: Vec3,
+    ground: &Ground,
     leaf: usize,
-    groups: u32,
+    rays: u64,
     packet: &mut Packet<L, G>,
 ) {
-    let values = tree.leaf(leaf);
-    let [x, y, z] = [L::splat(origin.x), L::splat(origin.y), L::splat(origin.z)];
-    let corners: Corners<L> = [
-        [
-            L::load4(values[0]) - x,
-            L::load4(values[1]) - y,
-            L::load4(values[2]) - z,
-        ],
-        [
-            L::load4(values[3]) - x,
-            L::load4(values[4]) - y,
-            L::load4(values[5]) - z,
-        ],
-        [
-            L::load4(values[6]) - x,
-            L::load4(values[7]) - y,
-            L::load4(values[8]) - z,
-        ],
-    ];
-    let triangles = &tree.triangles[leaf * LEAF..][..LEAF];
-    let mut shapes = Shapes::empty();
-    let useful = shapes.fill(&corners, (1 << tree.sizes[leaf]) - 1);
-    let masked = tree.masked[leaf];
-    for g in bits(groups) {
-        for lane in bits(useful) {
-            let triangle = triangles[lane];
-            let candidate = Candidate {
-                shapes: &shapes,
-                corners: &corners,
-                lane,
-                triangle,
-                masked: masked >> lane & 1 != 0,
-            };
-            let solid = |d| tracer.is_solid(triangle, origin, d);
-            if CLOSEST {
-                packet.meet_closest(g, &candidate, solid);
-            } else {
-                packet.meet_any(g, &candidate, solid);
+    let leaf = Leaf::new(ground, leaf);
+    for g in 0..G {
+        let rays = Packet::<L, G>::of_group(rays, g);
+        if rays.count_ones() <= FEW_AT_LEAF {
+            for ray in bits(rays) {
+                let ray = g * L::COUNT + ray;
+                if CLOSEST {
+                    packet.shorten_ray(ray, &leaf);
+                } else {
+                    packet.stop_ray(ray, &leaf);
+                }
             }
+        } else if CLOSEST {
+            packet.shorten_group(g, rays, &leaf);
+        } else {
+            packet.stop_group(g, rays, &leaf);
         }
     }
 }
