@@ -1,9 +1,10 @@
 //! `cargo xtask audit`: what is worth checking now and then, not on every change.
 
 use std::collections::BTreeMap;
-use std::process::ExitCode;
+use std::process::{Command, ExitCode};
 
 use crate::context::Context;
+use crate::libtest::Libtest;
 use crate::need::Need;
 use crate::options::Options;
 use crate::step::{self, Step};
@@ -28,7 +29,7 @@ macro_rules! platform {
     };
 }
 
-/// Platforms that are only compiled for, then the dependencies, then the fuzzer and bakes that are killed.
+/// Platforms that are only compiled for, then the dependencies, then unsafe code, the fuzzer, and bakes that are killed.
 pub const STEPS: &[Step] = &[
     platform!("windows-msvc", "x86_64-pc-windows-msvc"),
     platform!("windows-gnu", "x86_64-pc-windows-gnu"),
@@ -39,6 +40,12 @@ pub const STEPS: &[Step] = &[
         what: "every dependency may be used under a permissive licence",
         needs: &[],
         run: licences,
+    },
+    Step {
+        name: "sanitizer",
+        what: "unsafe code (vectors, mapped files, checkpoints, Embree where it is) under AddressSanitizer",
+        needs: &[],
+        run: sanitizer,
     },
     Step {
         name: "fuzz",
@@ -71,6 +78,41 @@ pub fn run(mut context: Context, mut options: Options) -> Result<ExitCode, Strin
         }
     }
     step::run_all(&context, STEPS, &options)
+}
+
+/// Parts of the library that have unsafe code, or call what has: filters of its unit tests.
+const UNSAFE: &[&str] = &[
+    "simd",
+    "files",
+    "checkpoint",
+    "trace",
+    "basis::sh",
+    "basis::rotate",
+    "shade::",
+];
+
+fn sanitizer(context: &Context) -> Result<Tally, String> {
+    let version = process::output(Command::new("rustc").arg("-vV"))?;
+    let host = version
+        .lines()
+        .find_map(|line| line.strip_prefix("host: "))
+        .ok_or("rustc -vV names no host")?;
+    let mut cargo = context.cargo("test --locked -p relume --lib");
+    cargo
+        // With a target named, build scripts and macros are left alone.
+        .args(["--target", host, "--target-dir"])
+        .arg(context.target.join("sanitizer"))
+        .arg("--")
+        .args(UNSAFE)
+        .arg("--show-output")
+        .env("RUSTC_BOOTSTRAP", "1")
+        .env("RUSTFLAGS", "-Zsanitizer=address")
+        // Optimised, what the sanitizer adds to the inlined kernels takes the compiler half an hour.
+        .env("CARGO_PROFILE_DEV_OPT_LEVEL", "0")
+        .env("PROPTEST_DISABLE_FAILURE_PERSISTENCE", "1");
+    let mut libtest = Libtest::default();
+    let status = process::stream(&mut cargo, |line| libtest.line(line))?;
+    Ok(libtest.finish(status.success()))
 }
 
 /// Every package that is linked or run on some platform, as `name vX.Y.Z` → licence expression.

@@ -308,3 +308,44 @@ fn a_world_without_triangles_is_all_sky() {
     Tracer::new(&World::default()).closest_from(Vec3::ZERO, &rays(&[Vec3::Y]), &mut hits);
     assert_eq!(hits, [Hit::MISS]);
 }
+
+/// Ours beside a tracer that shares no code with it, where that is installed.
+#[cfg(all(feature = "embree", any(unix, windows)))]
+#[test]
+fn embree_finds_what_we_find() {
+    let world = bumpy_torus(96, 48);
+    let path = std::env::var_os("RELUME_EMBREE").map(std::path::PathBuf::from);
+    let embree = match Tracer::with_embree(&world, path.as_deref()) {
+        Ok(embree) => embree,
+        Err(embree::EmbreeError::Load(_)) if path.is_none() => {
+            println!(
+                "skipped: embree_finds_what_we_find: needs libembree4 in the system's folders, or RELUME_EMBREE=/absolute/path/to/it"
+            );
+            return;
+        }
+        Err(error) => panic!("{error}"),
+    };
+    let ours = Tracer::new(&world);
+    let mut number = numbers(6);
+    let mut apart = 0;
+    for _ in 0..40 {
+        let origin = Vec3::new(number(), number(), number()) * 3.0 - 1.5;
+        let directions: Vec<Vec3> = (0..500)
+            .map(|_| (Vec3::new(number(), number(), number()) - 0.5).normalize())
+            .collect();
+        let rays = rays(&directions);
+        let (mut a, mut b) = ([Hit::MISS; 500], [Hit::MISS; 500]);
+        ours.closest_from(origin, &rays, &mut a);
+        embree.closest_from(origin, &rays, &mut b);
+        let same = |(a, b): &(&Hit, &Hit)| {
+            a.triangle == b.triangle && (a.t == b.t || (a.t - b.t).abs() < 1e-5 * a.t)
+        };
+        apart += a.iter().zip(&b).filter(|pair| !same(pair)).count();
+        let mut open = vec![0; rays.words()];
+        embree.open_from(origin, &rays, &mut open, &mut Occluders::default());
+        let missed = (0..500).filter(|&i| !b[i].is_hit());
+        assert!(rays_of(&open).eq(missed), "what Embree itself says differs");
+    }
+    // Rays along edges may go either way, and touch or miss a silhouette.
+    assert!(apart <= 2, "{apart} of 20000 rays");
+}
