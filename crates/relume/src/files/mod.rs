@@ -77,12 +77,12 @@ pub(crate) fn sync_names(folder: &Path) {
     let _ = folder;
 }
 
-/// A name from a file, fit to print: control characters and invisible direction marks are escaped.
+/// A name from a file, fit to print on one line: control characters, line separators and invisible direction marks are escaped.
 pub fn printable(name: &str) -> String {
     name.chars()
         .flat_map(|c| {
             let hidden = c.is_control()
-                || matches!(c, '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}');
+                || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}');
             let escaped = hidden.then(|| c.escape_default());
             let plain = (!hidden).then_some(c);
             escaped.into_iter().flatten().chain(plain)
@@ -134,6 +134,7 @@ mod tests {
     #[test]
     fn names_lose_their_power_over_the_terminal() {
         assert_eq!(printable("roof\u{1b}[31m\n"), "roof\\u{1b}[31m\\n");
+        assert_eq!(printable("roof\u{2028}wall"), "roof\\u{2028}wall");
         assert_eq!(printable("Dach – ä"), "Dach – ä");
     }
 }

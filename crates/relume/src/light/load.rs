@@ -78,11 +78,11 @@ fn load_faces(
     layout: LayoutChoice,
 ) -> Result<(Environment, Vec<String>), LightError> {
     let mut row = Row::default();
-    let mut warnings = Vec::new();
+    let mut said = Vec::new();
     for (index, path) in pattern.paths().iter().enumerate() {
         let name = path.display().to_string();
         let bytes = read_file(path, &name)?;
-        let said = row
+        let of_face = row
             .add(index, &bytes, &name)
             .map_err(|problem| match problem {
                 Problem::Image(error) => LightError::Image {
@@ -94,9 +94,19 @@ fn load_faces(
                     error,
                 },
             })?;
-        warnings.extend(said_of(&name, said));
+        said.push((name, of_face));
     }
     let path = pattern.to_string();
+    // What is the same for all is said once.
+    let warnings = match &said[..] {
+        [(_, first), others @ ..] if others.iter().all(|(_, other)| other == first) => {
+            said_of(&path, first.clone())
+        }
+        _ => said
+            .into_iter()
+            .flat_map(|(name, warnings)| said_of(&name, warnings))
+            .collect(),
+    };
     let image = row.finish().map_err(|error| LightError::Image {
         path: path.clone(),
         error,

@@ -153,3 +153,21 @@ fn six_files_are_a_cube_and_what_does_not_go_with_them_is_named() {
     let error = load_it(LayoutChoice::Auto).unwrap_err().to_string();
     assert!(error.contains("sky_ny.pfm: "), "{error}");
 }
+
+#[test]
+fn what_is_the_same_of_all_six_files_is_said_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let pattern = path("sky_{px,nx,py,ny,pz,nz}.pfm");
+    let spec: EnvSpec = pattern.to_str().unwrap().parse().unwrap();
+    for face in ["px", "nx", "py", "ny", "pz", "nz"] {
+        std::fs::write(path(&format!("sky_{face}.pfm")), pfm(2, 2, -1.0)).unwrap();
+    }
+    let (_, warnings) = load(&spec, &LightOptions::default()).unwrap();
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(warnings[0].contains("{px,nx,py,ny,pz,nz}.pfm: 4 of 4 pixels"));
+    std::fs::write(path("sky_nx.pfm"), pfm(2, 2, 1.0)).unwrap();
+    let (_, warnings) = load(&spec, &LightOptions::default()).unwrap();
+    assert_eq!(warnings.len(), 5);
+    assert!(warnings[1].contains("sky_py.pfm: 4 of 4 pixels"));
+}

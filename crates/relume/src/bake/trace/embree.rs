@@ -238,17 +238,17 @@ impl Embree {
         open.fill(0);
         for start in (0..rays.len()).step_by(WIDTH) {
             let mut packet = packet(origin, rays, start);
-            let valid = valid(rays.len() - start);
+            let valid = Valid::first(rays.len() - start);
             // SAFETY: the scene is committed, and the packet has Embree's layout.
             unsafe {
                 (self.occluded)(
-                    valid.as_ptr(),
+                    valid.0.as_ptr(),
                     self.scene,
                     &raw mut packet,
                     &mut arguments(),
                 );
             };
-            for (lane, (&far, &valid)) in packet.far.iter().zip(&valid).enumerate() {
+            for (lane, (&far, &valid)) in packet.far.iter().zip(&valid.0).enumerate() {
                 let sees = valid != 0 && far >= 0.0;
                 open[start / 64] |= u64::from(sees) << (start % 64 + lane);
             }
@@ -270,11 +270,11 @@ impl Embree {
                 ray: packet(origin, rays, start),
                 hit,
             };
-            let valid = valid(rays.len() - start);
+            let valid = Valid::first(rays.len() - start);
             // SAFETY: as above.
             unsafe {
                 (self.intersect)(
-                    valid.as_ptr(),
+                    valid.0.as_ptr(),
                     self.scene,
                     &raw mut packet,
                     &mut arguments(),
@@ -371,9 +371,15 @@ fn arguments() -> Arguments {
     }
 }
 
-/// −1 for the first `left` lanes.
-fn valid(left: usize) -> [c_int; WIDTH] {
-    std::array::from_fn(|lane| if lane < left { -1 } else { 0 })
+/// Which lanes hold a ray, as Embree wants it: −1 or 0, aligned like the packet.
+#[repr(C, align(64))]
+struct Valid([c_int; WIDTH]);
+
+impl Valid {
+    /// The first `left` lanes.
+    fn first(left: usize) -> Self {
+        Self(std::array::from_fn(|lane| if lane < left { -1 } else { 0 }))
+    }
 }
 
 fn packet(origin: Vec3, rays: &Rays, start: usize) -> Ray16 {
