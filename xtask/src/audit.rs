@@ -109,6 +109,8 @@ fn sanitizer(context: &Context) -> Result<Tally, String> {
         .env("RUSTFLAGS", "-Zsanitizer=address")
         // Optimised, what the sanitizer adds to the inlined kernels takes the compiler half an hour.
         .env("CARGO_PROFILE_DEV_OPT_LEVEL", "0")
+        // Not optimised, they take half a megabyte of stack each.
+        .env("RUST_MIN_STACK", "67108864")
         .env("PROPTEST_DISABLE_FAILURE_PERSISTENCE", "1");
     let mut libtest = Libtest::default();
     let status = process::stream(&mut cargo, |line| libtest.line(line))?;

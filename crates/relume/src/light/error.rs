@@ -40,7 +40,7 @@ pub enum LightError {
     #[error(
         "{}: {bytes} bytes are more than the {} Relume reads; reduce the image",
         printable(path),
-        super::values::MAX_FILE_BYTES
+        super::limits::MAX_FILE_BYTES
     )]
     FileTooLarge {
         /// The path as given.

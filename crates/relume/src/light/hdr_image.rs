@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::values::MAX_RADIANCE;
+use super::limits::MAX_RADIANCE;
 
 /// The most pixels an image may have: 2²⁷, 1.5 GiB of radiance.
 pub const MAX_PIXELS: u64 = 1 << 27;

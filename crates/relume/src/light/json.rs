@@ -9,7 +9,7 @@ use crate::basis::{Convention, Order, Window, WindowError};
 use crate::files::printable;
 
 use super::incident::ShLight;
-use super::values::MAX_RADIANCE;
+use super::limits::MAX_RADIANCE;
 use super::window::WindowChoice;
 
 /// The longest text that is read; order 32 takes a hundredth of it.

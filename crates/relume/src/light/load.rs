@@ -12,10 +12,10 @@ use super::error::LightError;
 use super::faces::{FacePattern, Problem, Row};
 use super::json::LightFile;
 use super::layout::{Layout, LayoutChoice};
+use super::limits::MAX_FILE_BYTES;
 use super::map::EnvMap;
 use super::spec::EnvSpec;
 use super::turn::Turn;
-use super::values::MAX_FILE_BYTES;
 
 /// How a light is read.
 #[derive(Clone, Debug, Default, PartialEq)]

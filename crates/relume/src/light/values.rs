@@ -1,13 +1,7 @@
-//! Numbers in the names of lights, and the limits on what they name.
+//! Numbers in the names of lights.
 
 use super::error::SpecError;
-
-/// The longest file that is read: 4 GiB.
-pub const MAX_FILE_BYTES: u64 = 1 << 32;
-
-/// The largest radiance that is taken, 1e20 (the sun has 2e5 in units of a white sky): far below the end of f32, so that coefficients
-/// and what is shaded by them stay finite.
-pub const MAX_RADIANCE: f32 = 1e20;
+use super::limits::MAX_RADIANCE;
 
 /// Exactly `N` numbers with commas between them.
 pub(super) fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
+use super::ground::Ground;
 use super::triangle::{self, Corners, Shapes, at};
-use super::walk::{Ground, vector};
 use crate::simd::Lanes;
 
 /// Up to `L::COUNT` triangles.
@@ -26,29 +26,7 @@ impl<'a, L: Lanes> Leaf<'a, L> {
     #[inline(always)]
     pub fn new(ground: &'a Ground, index: usize) -> Self {
         let tree = ground.tree;
-        let values = tree.leaf(index);
-        let [x, y, z] = [
-            L::splat(ground.origin.x),
-            L::splat(ground.origin.y),
-            L::splat(ground.origin.z),
-        ];
-        let corners = [
-            [
-                vector::<L>(values, 0) - x,
-                vector::<L>(values, 1) - y,
-                vector::<L>(values, 2) - z,
-            ],
-            [
-                vector::<L>(values, 3) - x,
-                vector::<L>(values, 4) - y,
-                vector::<L>(values, 5) - z,
-            ],
-            [
-                vector::<L>(values, 6) - x,
-                vector::<L>(values, 7) - y,
-                vector::<L>(values, 8) - z,
-            ],
-        ];
+        let corners = ground.corners(index);
         let mut shapes = Shapes::empty();
         let useful = shapes.fill(&corners, (1 << tree.sizes[index]) - 1);
         Self {

@@ -10,6 +10,7 @@
 #[cfg(all(feature = "embree", any(unix, windows)))]
 pub mod embree;
 mod frustum;
+mod ground;
 mod leaf;
 mod occluders;
 mod packet;
@@ -109,8 +110,8 @@ impl<'w> Tracer<'w> {
         }
     }
 
-    fn ground<'a>(&'a self, tree: &'a tree::Tree, origin: Vec3) -> walk::Ground<'a> {
-        walk::Ground {
+    fn ground<'a>(&'a self, tree: &'a tree::Tree, origin: Vec3) -> ground::Ground<'a> {
+        ground::Ground {
             tracer: self,
             tree,
             origin,

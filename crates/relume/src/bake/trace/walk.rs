@@ -4,24 +4,14 @@
 //! bottom triangles are small beside the gaps between rays, and the few rays of a group that reach a node are each held against all of its boxes
 //! at once.
 
-use glam::Vec3;
-
+use super::Hit;
+use super::ground::Ground;
 use super::leaf::Leaf;
 use super::occluders::Occluders;
 use super::packet::{Packet, bits};
 use super::rays::{PACKET, Rays};
-use super::tree::{Child, Tree};
-use super::{Hit, Tracer};
+use super::tree::Child;
 use crate::simd::{Kernel, Lanes};
-
-/// Where rays run.
-#[derive(Clone, Copy)]
-pub struct Ground<'a> {
-    pub tracer: &'a Tracer<'a>,
-    pub tree: &'a Tree,
-    /// Where they start.
-    pub origin: Vec3,
-}
 
 /// All rays, packet by packet.
 pub struct Cast<'a, S> {
@@ -187,7 +177,7 @@ fn push_children<L: Lanes, const G: usize>(
     mut depth: usize,
 ) -> usize {
     let tree = ground.tree;
-    let relative = relative_boxes::<L>(tree.node(node), ground.origin);
+    let relative = ground.boxes::<L>(node);
     let mut planes = [[0.0; 16]; 6];
     for (plane, vector) in planes.iter_mut().zip(&relative) {
         vector.store(plane);
@@ -241,23 +231,6 @@ fn push_children<L: Lanes, const G: usize>(
     depth
 }
 
-/// The least x, y, z and the greatest of a node's boxes, relative to the origin; two more fill up a power of two.
-#[inline(always)]
-fn relative_boxes<L: Lanes>(bounds: &[f32], origin: Vec3) -> [L; 8] {
-    let [x, y, z] = [L::splat(origin.x), L::splat(origin.y), L::splat(origin.z)];
-    let zero = L::splat(0.0);
-    [
-        vector::<L>(bounds, 0) - x,
-        vector::<L>(bounds, 1) - y,
-        vector::<L>(bounds, 2) - z,
-        vector::<L>(bounds, 3) - x,
-        vector::<L>(bounds, 4) - y,
-        vector::<L>(bounds, 5) - z,
-        zero,
-        zero,
-    ]
-}
-
 /// From the origin to each box.
 #[inline(always)]
 fn squared_distances<L: Lanes>(relative: &[L; 8]) -> [f32; 16] {
@@ -268,12 +241,6 @@ fn squared_distances<L: Lanes>(relative: &[L; 8]) -> [f32; 16] {
     let mut distances = [0.0; 16];
     (x * x + y * y + z * z).store(&mut distances);
     distances
-}
-
-/// The `k`-th vector of a node or leaf.
-#[inline(always)]
-pub fn vector<L: Lanes>(values: &[f32], k: usize) -> L {
-    L::load(&values[k * L::COUNT..])
 }
 
 #[inline(always)]
