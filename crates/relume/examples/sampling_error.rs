@@ -1,5 +1,5 @@
 //! Error of direct transfer against time, for ways to choose rays: uniform random ones as in [sun2005, algorithms 3.1 and 3.2], random and
-//! Owen-scrambled cosine ones for each vertex, and the baker's, with a number of rays and with an error to stop at.
+//! Owen-scrambled Sobol ones by the cosine for each vertex, and the baker's, with a number of rays and with an error to stop at.
 //!
 //! ```text
 //! cargo run --release -p relume --example sampling_error -- SCENE [VERTICES]
@@ -12,8 +12,9 @@ use std::error::Error;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use relume::asset::Transfer;
+use relume::bake::sampling::points;
 use relume::bake::trace::{Occluders, Rays, Tracer, rays_of};
 use relume::bake::{BakeOptions, Monitor, bake};
 use relume::basis::{Order, sh};
@@ -31,18 +32,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         "{:<34} {:>7} {:>9} {:>9}",
         "rays", "number", "error %", "seconds"
     );
-    for samples in [400, 1600, 6400] {
-        report(
-            &world,
-            &truth,
-            "uniform random, whole sphere",
-            samples,
-            &sampled,
-            uniform,
-        );
-    }
-    for samples in [256, 1024, 4096] {
-        report(&world, &truth, "cosine random", samples, &sampled, cosine);
+    for way in &WAYS {
+        for samples in way.numbers {
+            way.report(&world, &truth, samples, &sampled);
+        }
     }
     for samples in [64, 256, 1024, 4096] {
         let (transfer, seconds, rays) = baked(&world, samples, None, 0)?;
@@ -134,100 +127,115 @@ fn within(transfer: &Transfer, truth: &Transfer, limit: f64) -> f64 {
     good.count() as f64 / truth.valid.len() as f64
 }
 
-/// Directions and their weights, by a random number.
-type Choose = fn(&mut dyn FnMut() -> f64, Vec3) -> Option<(Vec3, f64)>;
+/// A plain way to choose rays, vertex by vertex.
+struct Way {
+    name: &'static str,
+    /// So many points of the unit square, by a seed.
+    points: fn(u64, u32) -> Vec<[f32; 2]>,
+    /// The direction of a point at a vertex of this normal, and its weight.
+    choose: fn([f32; 2], Vec3) -> Option<(Vec3, f64)>,
+    numbers: [u32; 4],
+}
+
+const WAYS: [Way; 3] = [
+    Way {
+        name: "uniform random, whole sphere",
+        points: random,
+        choose: uniform,
+        numbers: [400, 1600, 6400, 25600],
+    },
+    Way {
+        name: "cosine random",
+        points: random,
+        choose: cosine,
+        numbers: [64, 256, 1024, 4096],
+    },
+    Way {
+        name: "cosine Sobol, Owen-scrambled",
+        points: |seed, count| points(seed, 0, count).collect(),
+        choose: cosine,
+        numbers: [64, 256, 1024, 4096],
+    },
+];
+
+fn random(seed: u64, count: u32) -> Vec<[f32; 2]> {
+    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let mut number = move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f32 / (1 << 24) as f32
+    };
+    (0..count).map(|_| [number(), number()]).collect()
+}
 
 /// Uniform over the sphere; the half below the surface is thrown away.
-fn uniform(random: &mut dyn FnMut() -> f64, normal: Vec3) -> Option<(Vec3, f64)> {
-    let z = 2.0 * random() - 1.0;
-    let (sin, cos) = (std::f64::consts::TAU * random()).sin_cos();
+fn uniform([u, v]: [f32; 2], normal: Vec3) -> Option<(Vec3, f64)> {
+    let z = 1.0 - 2.0 * u;
+    let (sin, cos) = (std::f32::consts::TAU * v).sin_cos();
     let r = (1.0 - z * z).max(0.0).sqrt();
-    let d = DVec3::new(r * cos, r * sin, z).as_vec3();
+    let d = Vec3::new(r * cos, r * sin, z);
     // 1/π · cosine · 4π of the sphere.
     let cosine = f64::from(d.dot(normal));
     (cosine > 0.0).then_some((d, 4.0 * cosine))
 }
 
-fn cosine(random: &mut dyn FnMut() -> f64, normal: Vec3) -> Option<(Vec3, f64)> {
-    let (u, (sin, cos)) = (random(), (std::f64::consts::TAU * random()).sin_cos());
+fn cosine([u, v]: [f32; 2], normal: Vec3) -> Option<(Vec3, f64)> {
+    let (sin, cos) = (std::f32::consts::TAU * v).sin_cos();
     let (a, b) = normal.any_orthonormal_pair();
     let r = u.sqrt();
-    let d = a * (r * cos) as f32 + b * (r * sin) as f32 + normal * (1.0 - u).sqrt() as f32;
+    let d = a * (r * cos) + b * (r * sin) + normal * (1.0 - u).sqrt();
     Some((d.normalize(), 1.0))
 }
 
-/// Casts `samples` rays at some vertices, one thread, and says how far that is from the truth.
-fn report(
-    world: &World,
-    truth: &Transfer,
-    name: &str,
-    samples: usize,
-    vertices: &[usize],
-    choose: Choose,
-) {
-    let tracer = Tracer::new(world);
-    let order = truth.order;
-    let evaluator = sh::Evaluator::new(order);
-    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-    let mut random = move || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
-    let start = Instant::now();
-    let (mut error, mut norm) = (0.0, 0.0);
-    for &vertex in vertices.iter().filter(|&&v| truth.valid[v]) {
-        let row = one(
-            world,
-            &tracer,
-            order,
-            &evaluator,
-            vertex,
-            samples,
-            &mut random,
-            choose,
-        );
-        for (a, b) in row.iter().zip(truth.vector(vertex, 0)) {
-            error += (a - f64::from(*b)).powi(2);
-            norm += f64::from(*b).powi(2);
+impl Way {
+    /// Casts `samples` rays at each of the vertices, one thread, and says how far that is from the truth.
+    fn report(&self, world: &World, truth: &Transfer, samples: u32, vertices: &[usize]) {
+        let tracer = Tracer::new(world);
+        let evaluator = sh::Evaluator::new(truth.order);
+        let start = Instant::now();
+        let (mut error, mut norm) = (0.0, 0.0);
+        for &vertex in vertices.iter().filter(|&&v| truth.valid[v]) {
+            let row = self.row(world, &tracer, &evaluator, truth.order, vertex, samples);
+            for (a, b) in row.iter().zip(truth.vector(vertex, 0)) {
+                error += (a - f64::from(*b)).powi(2);
+                norm += f64::from(*b).powi(2);
+            }
         }
+        let seconds = start.elapsed().as_secs_f64();
+        let rms = (error / norm).sqrt();
+        line(self.name, f64::from(samples), rms, seconds);
     }
-    line(
-        name,
-        samples as f64,
-        (error / norm).sqrt(),
-        start.elapsed().as_secs_f64(),
-    );
-}
 
-#[allow(clippy::too_many_arguments, reason = "an example")]
-fn one(
-    world: &World,
-    tracer: &Tracer,
-    order: Order,
-    evaluator: &sh::Evaluator,
-    vertex: usize,
-    samples: usize,
-    random: &mut dyn FnMut() -> f64,
-    choose: Choose,
-) -> Vec<f64> {
-    let normal = world.normals[vertex];
-    let (_, high) = world.bounds().unwrap_or_default();
-    let origin = world.positions[vertex] + normal * (1e-5 * high.abs().max_element());
-    let chosen: Vec<(Vec3, f64)> = (0..samples)
-        .filter_map(|_| choose(random, normal))
-        .collect();
-    let rays: Rays = chosen.iter().map(|(d, _)| *d).collect();
-    let mut open = vec![0; rays.words()];
-    tracer.open_from(origin, &rays, &mut open, &mut Occluders::default());
-    let (mut row, mut values) = (vec![0.0; order.count()], vec![0.0; order.count()]);
-    for i in rays_of(&open) {
-        let (d, weight) = chosen[i];
-        evaluator.eval(d.as_dvec3(), &mut values);
-        row.iter_mut()
-            .zip(&values)
-            .for_each(|(sum, value)| *sum += weight * value / samples as f64);
+    /// The transfer vector of one vertex.
+    fn row(
+        &self,
+        world: &World,
+        tracer: &Tracer,
+        evaluator: &sh::Evaluator,
+        order: Order,
+        vertex: usize,
+        samples: u32,
+    ) -> Vec<f64> {
+        let normal = world.normals[vertex];
+        let (_, high) = world.bounds().unwrap_or_default();
+        let origin = world.positions[vertex] + normal * (1e-5 * high.abs().max_element());
+        let points = (self.points)(vertex as u64 + 1, samples);
+        let chosen: Vec<(Vec3, f64)> = points
+            .into_iter()
+            .filter_map(|point| (self.choose)(point, normal))
+            .collect();
+        let rays: Rays = chosen.iter().map(|(d, _)| *d).collect();
+        let mut open = vec![0; rays.words()];
+        tracer.open_from(origin, &rays, &mut open, &mut Occluders::default());
+        let (mut row, mut values) = (vec![0.0; order.count()], vec![0.0; order.count()]);
+        for i in rays_of(&open) {
+            let (d, weight) = chosen[i];
+            evaluator.eval(d.as_dvec3(), &mut values);
+            row.iter_mut()
+                .zip(&values)
+                .for_each(|(sum, value)| *sum += weight * value / f64::from(samples));
+        }
+        row
     }
-    row
 }

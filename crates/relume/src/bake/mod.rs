@@ -23,7 +23,7 @@ mod options;
 mod passes;
 mod receiver;
 mod run;
-mod sampling;
+pub mod sampling;
 mod store;
 pub mod trace;
 

@@ -26,7 +26,7 @@ pub fn points(seed: u64, first: u32, end: u32) -> impl ExactSizeIterator<Item = 
 }
 
 /// What a vertex is seeded by: its place, its normal and the bake's seed, so that coincident vertices look the same way.
-pub fn vertex_seed(position: Vec3, normal: Vec3, seed: u64) -> u64 {
+pub(super) fn vertex_seed(position: Vec3, normal: Vec3, seed: u64) -> u64 {
     // Adding 0 makes −0 and 0 one.
     let words = position
         .to_array()
@@ -76,7 +76,7 @@ fn morton(x: u32, y: u32) -> u32 {
 }
 
 /// A 64-bit finaliser: every input bit changes every output bit with probability about one half [steele2014].
-pub fn mix(x: u64) -> u64 {
+pub(super) fn mix(x: u64) -> u64 {
     let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let x = (x ^ x >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
