@@ -132,7 +132,7 @@ impl Mask for Mask8 {
         self.0
             .iter()
             .enumerate()
-            .fold(0, |bits, (i, lane)| bits | (lane & 1) << i)
+            .fold(0, |bits, (i, lane)| bits | (lane & (1 << i)))
     }
     #[inline(always)]
     fn from_bits(bits: u32) -> Self {

@@ -155,8 +155,12 @@ impl Shapes {
 fn inside<L: Lanes>([a, b, c]: [L; 3], [p, q, r]: [L; 3]) -> (u32, u32) {
     let zero = L::splat(0.0);
     let maybe = (zero - p).at_most(a) & (zero - q).at_most(b) & (zero - r).at_most(c);
+    let maybe = maybe.bits();
+    if maybe == 0 {
+        return (0, 0);
+    }
     let sure = p.below(a) & q.below(b) & r.below(c);
-    (maybe.bits(), sure.bits())
+    (maybe, sure.bits())
 }
 
 /// A height too large or too small for f32 is left to f64, too.

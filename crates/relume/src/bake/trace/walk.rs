@@ -149,11 +149,13 @@ fn walk<L: Lanes, const G: usize, const CLOSEST: bool>(ground: &Ground, packet: 
         let visit = stack[depth];
         let mut rays = visit.rays & packet.alive;
         if CLOSEST {
-            let mut reach = 0;
             for g in 0..G {
-                reach |= Packet::<L, G>::from_group(packet.reach(g, visit.distance), g);
+                let group = Packet::<L, G>::of_group(rays, g);
+                if group != 0 {
+                    let past = group & !packet.reach(g, visit.distance);
+                    rays &= !Packet::<L, G>::from_group(past, g);
+                }
             }
-            rays &= reach;
         }
         if rays == 0 {
             continue;
