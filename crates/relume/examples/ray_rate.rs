@@ -35,12 +35,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let rounds: usize = args.next().map_or(Ok(9), |n| n.parse())?;
     let world = World::new(&scene::load(path.as_ref(), &ImportOptions::default())?);
     let name = Path::new(&path).file_stem().unwrap_or_default();
-    let mut casts = Casts::new(&world);
+    let casts = Casts::new(&world);
     match embree {
         Some(embree) => {
             let theirs = Tracer::with_embree(&world, Some(embree.as_ref()))?;
-            let left_out = casts.leave_out(&theirs);
-            println!("{left_out} vertices left out: their rays start on a surface");
             compare(&name.to_string_lossy(), &casts, &world, &theirs, rounds)
         }
         None => {
@@ -152,18 +150,6 @@ impl Casts {
             sets: (0..SETS).map(directions).collect(),
             vertices: chosen.map(vertex).collect(),
         }
-    }
-
-    /// Leaves out vertices whose rays start on a surface, where walls meet: Embree counts hits at distance 0, we do not. How many.
-    fn leave_out(&mut self, theirs: &Tracer) -> usize {
-        let before = self.vertices.len();
-        let (mut rays, mut hits) = (Rays::default(), [Hit::MISS; RAYS as usize]);
-        self.vertices.retain(|&(origin, frame)| {
-            rays.turn(&self.sets[0], frame);
-            theirs.closest_from(origin, &rays, &mut hits);
-            hits.iter().all(|hit| hit.t > 0.0)
-        });
-        before - self.vertices.len()
     }
 
     /// Rays of all blocks.

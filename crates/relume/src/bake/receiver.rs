@@ -134,15 +134,19 @@ fn morton3(cell: [u32; 3]) -> u32 {
 /// for), and half as far toward the middle of its own triangles.
 ///
 /// The second step decides what a vertex at the foot of a wall sees: what its own floor sees close by, instead of tracing half of its rays in
-/// the plane of the wall and past it. Vertices with the same place and normal, on either side of a seam, take it together.
+/// the plane of the wall and past it. It is left out where triangles do not all face the normal, as on a folded fin: their middle may then
+/// lie inside the fold. Vertices with the same place and normal, on either side of a seam, take it together.
 fn lifts(world: &World) -> Vec<Lift> {
     let mut around = vec![Around::default(); world.positions.len()];
     let class = classes(world);
     for corners in &world.triangles {
         let points = corners.map(|i| world.positions[i as usize].as_dvec3());
         let centre = (points[0] + points[1] + points[2]) / 3.0;
+        let facing = (points[1] - points[0]).cross(points[2] - points[0]);
         for (k, &corner) in corners.iter().enumerate() {
             let around = &mut around[class[corner as usize] as usize];
+            let normal = world.normals[corner as usize].as_dvec3();
+            around.facing_away |= facing.dot(normal) < 0.0;
             around.centres += centre;
             around.triangles += 1;
             for other in [points[(k + 1) % 3], points[(k + 2) % 3]] {
@@ -165,6 +169,8 @@ struct Around {
     /// Sum of the triangles' centres.
     centres: DVec3,
     triangles: u32,
+    /// Whether some triangle does not face the normal.
+    facing_away: bool,
 }
 
 impl Around {
@@ -173,7 +179,7 @@ impl Around {
         let rounding = 16.0 * f32::EPSILON / 2.0 * position.abs().max_element();
         let up = ((1e-3 * self.shortest) as f32).max(rounding);
         let middle = self.centres / f64::from(self.triangles.max(1)) - position.as_dvec3();
-        let toward_middle = if self.triangles > 0 {
+        let toward_middle = if self.triangles > 0 && !self.facing_away {
             middle.normalize_or_zero()
         } else {
             DVec3::ZERO
@@ -226,6 +232,21 @@ mod tests {
         let [front, back] = [&receivers.front, &receivers.behind].map(|side| side[1] as usize);
         assert_eq!(receivers.get(back, 0).normal, -Vec3::Z);
         assert!(receivers.get(back, 0).origin.z < 5.0 && receivers.get(front, 0).origin.z > 5.0);
+    }
+
+    #[test]
+    fn only_where_all_triangles_face_the_normal_rays_start_toward_their_middle() {
+        let aside = |world: &World| {
+            let step = Receivers::new(world).get(0, 0).origin - world.positions[0];
+            step - Vec3::Z * step.z
+        };
+        let flat = square(1.0, false);
+        assert!(aside(&flat).length() > 1e-4);
+        // The same triangle once more from behind: a fold.
+        let mut folded = flat.clone();
+        folded.triangles.push([0, 2, 1]);
+        folded.triangle_materials.push(0);
+        assert_eq!(aside(&folded), Vec3::ZERO);
     }
 
     #[test]
