@@ -32,6 +32,19 @@ pub enum CameraError {
     FieldOfView(f32),
 }
 
+/// The axes of a camera: unit vectors at right angles, in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Toward the middle of the picture.
+    pub forward: DVec3,
+    /// Toward its right edge.
+    pub right: DVec3,
+    /// Toward its top edge.
+    pub up: DVec3,
+    /// Tangent of half the vertical field of view.
+    pub half_height: f64,
+}
+
 /// The rays of a picture: all start at the eye, one direction for every point of the pixel grid.
 #[derive(Clone, Copy, Debug)]
 pub struct PixelRays {
@@ -83,11 +96,11 @@ impl Camera {
         }
     }
 
-    /// The rays of a picture of `width` × `height` pixels. When `up` is along the view, another axis stands in for it.
+    /// Which way the camera looks. When `up` is along the view, another axis stands in for it.
     ///
     /// # Errors
     /// [`CameraError`] when the camera looks nowhere or through an impossible angle.
-    pub fn pixel_rays(&self, width: u32, height: u32) -> Result<PixelRays, CameraError> {
+    pub fn frame(&self) -> Result<Frame, CameraError> {
         if !(self.eye.is_finite() && self.target.is_finite() && self.up.is_finite()) {
             return Err(CameraError::NotFinite);
         }
@@ -103,8 +116,26 @@ impl Camera {
             .find(|right| right.length_squared() > 1e-12)
             .unwrap_or(DVec3::X)
             .normalize();
-        let up = right.cross(forward);
-        let pixel = 2.0 * libm::tan(f64::from(fov).to_radians() / 2.0) / f64::from(height);
+        Ok(Frame {
+            forward,
+            right,
+            up: right.cross(forward),
+            half_height: libm::tan(f64::from(fov).to_radians() / 2.0),
+        })
+    }
+
+    /// The rays of a picture of `width` × `height` pixels.
+    ///
+    /// # Errors
+    /// As [`Self::frame`].
+    pub fn pixel_rays(&self, width: u32, height: u32) -> Result<PixelRays, CameraError> {
+        let Frame {
+            forward,
+            right,
+            up,
+            half_height,
+        } = self.frame()?;
+        let pixel = 2.0 * half_height / f64::from(height);
         let (right, down) = (right * pixel, -up * pixel);
         Ok(PixelRays {
             eye: self.eye,

@@ -8,10 +8,10 @@ mod tone;
 #[cfg(feature = "images")]
 mod write;
 
-pub use camera::{Camera, CameraError, PixelRays};
+pub use camera::{Camera, CameraError, Frame, PixelRays};
 pub use picture::{Picture, stack, strip};
 #[cfg(feature = "bake")]
 pub use raycast::{RaycastOptions, VertexRadiance, render};
-pub use tone::ToneMap;
+pub use tone::{ToneMap, srgb_code};
 #[cfg(feature = "images")]
 pub use write::PictureError;

@@ -34,8 +34,8 @@ impl ToneMap {
     }
 }
 
-/// The nearest 8-bit sRGB code of a linear value in 0…1.
-pub(super) fn srgb_code(linear: f64) -> u8 {
+/// The nearest 8-bit sRGB code of a linear value in 0…1 [iec61966].
+pub fn srgb_code(linear: f64) -> u8 {
     let encoded = if linear <= 0.003_130_8 {
         12.92 * linear
     } else {

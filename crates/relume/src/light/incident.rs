@@ -1,5 +1,7 @@
 //! The light a shading stage takes.
 
+use std::ops::Range;
+
 use crate::basis::Order;
 
 /// Distant radiance as spherical-harmonics coefficients: `L(ω) = Σ c_i Y_i(ω)`, ω pointing away from the scene.
@@ -17,6 +19,57 @@ pub struct ShLight {
 pub enum IncidentLight {
     /// The same at every vertex.
     Distant(ShLight),
+    /// The same at every vertex of an object, as where lights are near but objects are small. Vertices of no object are dark.
+    PerObject(Vec<ObjectLight>),
+    /// Another one at every vertex.
+    PerVertex(VertexLight),
+}
+
+/// Light of one object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjectLight {
+    /// The object's vertices, as in [`crate::scene::World::instance_vertices`].
+    pub vertices: Range<usize>,
+    /// What arrives there, in the space of the scene's root.
+    pub light: ShLight,
+}
+
+/// Light of each vertex, in the space of the scene's root.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VertexLight {
+    order: Order,
+    coefficients: Vec<[f32; 3]>,
+}
+
+impl VertexLight {
+    /// Light from coefficients `[vertices][order²]`. Panics when their number is no multiple of `order²`.
+    pub fn new(order: Order, coefficients: Vec<[f32; 3]>) -> Self {
+        assert_eq!(
+            coefficients.len() % order.count(),
+            0,
+            "as many coefficients for each vertex"
+        );
+        Self {
+            order,
+            coefficients,
+        }
+    }
+
+    /// The order of the expansions.
+    pub fn order(&self) -> Order {
+        self.order
+    }
+
+    /// Number of vertices.
+    pub fn vertex_count(&self) -> usize {
+        self.coefficients.len() / self.order.count()
+    }
+
+    /// The `order²` RGB coefficients of one vertex, index `l(l+1)+m`. Panics where there is no such vertex.
+    pub fn coefficients(&self, vertex: usize) -> &[[f32; 3]] {
+        let count = self.order.count();
+        &self.coefficients[vertex * count..(vertex + 1) * count]
+    }
 }
 
 impl ShLight {

@@ -41,7 +41,7 @@ pub use environment::{Environment, Rotated};
 pub use error::{LightError, SpecError};
 pub use faces::{FaceError, FacePattern};
 pub use hdr_image::{HdrImage, ImageError, MAX_PIXELS};
-pub use incident::{IncidentLight, ShLight};
+pub use incident::{IncidentLight, ObjectLight, ShLight, VertexLight};
 pub use json::{LightFile, LightJsonError};
 pub use layout::{Layout, LayoutChoice, LayoutError};
 pub use limits::{MAX_FILE_BYTES, MAX_RADIANCE};

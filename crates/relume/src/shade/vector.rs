@@ -1,9 +1,11 @@
 //! Radiance that leaves diffuse vertices: `L_out = albedo · Σ_i T_i l_i`, by channel [sloan2005, L_out = uᵀ C B R T l for a diffuse B].
 
+use std::ops::Range;
+
 use super::kernel::{Planes, Shade, WIDE};
-use crate::asset::Transfer;
+use crate::asset::{BackTransfer, Transfer};
 use crate::basis::Order;
-use crate::light::{IncidentLight, ShLight};
+use crate::light::{IncidentLight, ObjectLight, ShLight, VertexLight};
 use crate::scene::World;
 use crate::simd::Level;
 
@@ -16,7 +18,7 @@ const CHUNK: usize = 1024;
 /// is truncated, one of lower order padded with zeros. Negative values are possible where a truncated light rings.
 /// The same bytes for any number of threads and every instruction set.
 pub fn transferred_radiance(transfer: &Transfer, light: &IncidentLight) -> Vec<[f32; 3]> {
-    one(transfer, &transfer.coefficients, light)
+    one(transfer, Sides::Fronts(transfer.vertex_count()), light)
 }
 
 /// [`transferred_radiance`] for several lights, `[lights][vertices]`, reading the transfer once: the same bits as light by light.
@@ -47,7 +49,7 @@ pub fn transferred_radiance_into(
 /// [`transferred_radiance`] for the back sides, one per entry of [`crate::asset::BackTransfer::vertices`]; empty without any.
 pub fn transferred_radiance_back(transfer: &Transfer, light: &IncidentLight) -> Vec<[f32; 3]> {
     let back = transfer.back.as_ref();
-    back.map_or_else(Vec::new, |back| one(transfer, &back.coefficients, light))
+    back.map_or_else(Vec::new, |back| one(transfer, Sides::Backs(back), light))
 }
 
 /// Radiance that leaves the front of every vertex of `world`: [`World::vertex_albedos`] × [`transferred_radiance`].
@@ -67,14 +69,98 @@ pub fn radiance(world: &World, transfer: &Transfer, light: &IncidentLight) -> Ve
     radiance
 }
 
-/// Applies vectors `[n][channels][order²]` to the light.
-fn one(transfer: &Transfer, coefficients: &[f32], light: &IncidentLight) -> Vec<[f32; 3]> {
-    let IncidentLight::Distant(light) = light;
-    let mut radiance = vec![[0.0; 3]; coefficients.len() / transfer.stride()];
-    let lights = std::slice::from_ref(light);
-    let places = &mut [radiance.as_mut_slice()];
-    apply(Level::best(), transfer, coefficients, lights, places);
+/// Vectors and the vertices they belong to.
+#[derive(Clone, Copy)]
+enum Sides<'a> {
+    /// The fronts of so many vertices.
+    Fronts(usize),
+    Backs(&'a BackTransfer),
+}
+
+impl<'a> Sides<'a> {
+    fn coefficients(self, transfer: &'a Transfer) -> &'a [f32] {
+        match self {
+            Self::Fronts(_) => &transfer.coefficients,
+            Self::Backs(back) => &back.coefficients,
+        }
+    }
+
+    fn count(self) -> usize {
+        match self {
+            Self::Fronts(vertices) => vertices,
+            Self::Backs(back) => back.vertices.len(),
+        }
+    }
+
+    /// The vertex of a side.
+    fn vertex(self, side: usize) -> usize {
+        match self {
+            Self::Fronts(_) => side,
+            Self::Backs(back) => back.vertices[side] as usize,
+        }
+    }
+
+    /// The sides of some vertices.
+    fn of(self, vertices: &Range<usize>) -> Range<usize> {
+        let before = |end: usize| match self {
+            Self::Fronts(count) => end.min(count),
+            Self::Backs(back) => back.vertices.partition_point(|&v| (v as usize) < end),
+        };
+        before(vertices.start)..before(vertices.end).max(before(vertices.start))
+    }
+}
+
+/// Radiance of some sides under any kind of light.
+fn one(transfer: &Transfer, sides: Sides, light: &IncidentLight) -> Vec<[f32; 3]> {
+    let coefficients = sides.coefficients(transfer);
+    let mut radiance = vec![[0.0; 3]; sides.count()];
+    let mut shade = |sides: Range<usize>, light: &ShLight| {
+        let vectors = &coefficients[sides.start * transfer.stride()..sides.end * transfer.stride()];
+        let places = &mut [&mut radiance[sides]];
+        apply(
+            Level::best(),
+            transfer,
+            vectors,
+            std::slice::from_ref(light),
+            places,
+        );
+    };
+    match light {
+        IncidentLight::Distant(light) => shade(0..sides.count(), light),
+        IncidentLight::PerObject(objects) => {
+            for ObjectLight { vertices, light } in objects {
+                shade(sides.of(vertices), light);
+            }
+        }
+        IncidentLight::PerVertex(light) => {
+            let count = transfer.vertex_count();
+            assert_eq!(light.vertex_count(), count, "one light per vertex");
+            for (side, value) in radiance.iter_mut().enumerate() {
+                let vectors = &coefficients[side * transfer.stride()..][..transfer.stride()];
+                *value = at_vertex(transfer, vectors, light, sides.vertex(side));
+            }
+        }
+    }
     radiance
+}
+
+/// Radiance of one side whose vertex has a light of its own: the same bits as when that light shines everywhere.
+fn at_vertex(transfer: &Transfer, vectors: &[f32], light: &VertexLight, vertex: usize) -> [f32; 3] {
+    let light = light.coefficients(vertex);
+    let count = transfer.order.count();
+    std::array::from_fn(|c| {
+        let vector = &vectors[c % transfer.channels * count..][..count];
+        let mut partial = [0.0_f32; WIDE];
+        for (i, (t, l)) in vector.iter().zip(light).enumerate() {
+            partial[i % WIDE] += t * l[c];
+        }
+        for apart in [8, 4, 2, 1] {
+            for i in 0..apart {
+                partial[i] += partial[i + apart];
+            }
+        }
+        partial[0]
+    })
 }
 
 /// Applies vectors `[n][channels][order²]` to each light.

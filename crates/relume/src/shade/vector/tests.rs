@@ -309,3 +309,54 @@ proptest! {
         prop_assert_eq!(of(&fa).y, plain);
     }
 }
+
+/// A light that differs from every other `seed`.
+fn some_light(order: Order, seed: usize) -> ShLight {
+    let one = |i: usize| [0.3, 0.5, 0.7].map(|c: f32| c + ((i * 7 + seed * 13) % 11) as f32 / 5.0);
+    ShLight::new(order, (0..order.count()).map(one).collect())
+}
+
+#[test]
+fn lights_by_object_and_by_vertex_are_each_the_light_that_shines_there() {
+    let order = Order::new(4).unwrap();
+    let mut transfer = unshadowed(order, &normals(50));
+    let stride = transfer.stride();
+    transfer.back = Some(BackTransfer {
+        vertices: vec![3, 17, 18, 42],
+        coefficients: transfer.coefficients[..4 * stride]
+            .iter()
+            .copied()
+            .collect(),
+    });
+    let lights = [some_light(order, 1), some_light(order, 2)];
+    let alone = lights.clone().map(IncidentLight::Distant);
+    let alone = alone.map(|light| {
+        let front = transferred_radiance(&transfer, &light);
+        (front, transferred_radiance_back(&transfer, &light))
+    });
+    // Vertices 0…17 and 20…49 have a light; 18 and 19 have none.
+    let object = |vertices, i: usize| ObjectLight {
+        vertices,
+        light: lights[i].clone(),
+    };
+    let objects = IncidentLight::PerObject(vec![object(0..18, 0), object(20..50, 1)]);
+    let of_vertex = |v: usize| match v {
+        0..18 => Some(0),
+        20.. => Some(1),
+        _ => None,
+    };
+    let zero = vec![[0.0; 3]; order.count()];
+    let coefficients =
+        (0..50).flat_map(|v| of_vertex(v).map_or(&zero[..], |i| lights[i].coefficients()));
+    let vertices = VertexLight::new(order, coefficients.copied().collect());
+    for light in [objects, IncidentLight::PerVertex(vertices)] {
+        let front = transferred_radiance(&transfer, &light);
+        for (v, value) in front.iter().enumerate() {
+            let expected = of_vertex(v).map_or([0.0; 3], |i| alone[i].0[v]);
+            assert_eq!(*value, expected, "vertex {v}");
+        }
+        let back = transferred_radiance_back(&transfer, &light);
+        let expected = [alone[0].1[0], alone[0].1[1], [0.0; 3], alone[1].1[3]];
+        assert_eq!(back, expected);
+    }
+}

@@ -1,0 +1,63 @@
+//! What can keep a scene or a light from the device.
+
+use relume::display::CameraError;
+use thiserror::Error;
+
+/// A scene, a light or a camera that cannot be drawn.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum GpuError {
+    /// More sides (vertices, and backs of double-sided ones) than a texture of the device has room for.
+    #[error(
+        "{sides} vertices and backs; this device has room for {limit}: bake fewer, or use a device with larger textures"
+    )]
+    TooManySides {
+        /// How many there are.
+        sides: usize,
+        /// How many fit.
+        limit: usize,
+    },
+    /// A vertex or index buffer past the device's limit.
+    #[error(
+        "the mesh's {what} take {bytes} bytes; this device allows {limit} in a buffer: simplify the mesh, or ask for a device with a higher `max_buffer_size`"
+    )]
+    Buffer {
+        /// Vertices or indices.
+        what: &'static str,
+        /// What they take.
+        bytes: u64,
+        /// What the device allows.
+        limit: u64,
+    },
+    /// The device's textures are too small for a single vertex, or for the lights.
+    #[error(
+        "{what} needs a texture {texels} texels high; this device allows {limit}: use a lower order"
+    )]
+    Texture {
+        /// What does not fit.
+        what: &'static str,
+        /// Its height.
+        texels: usize,
+        /// What the device allows.
+        limit: usize,
+    },
+    /// A light or transfer of another scene.
+    #[error("{what}: {given} where the scene has {expected}")]
+    Mismatch {
+        /// What differs.
+        what: &'static str,
+        /// How many were given.
+        given: usize,
+        /// How many the scene has.
+        expected: usize,
+    },
+    /// Nothing to draw or light yet.
+    #[error("no scene was uploaded; call `upload` first")]
+    NoScene,
+    /// A kind of light that this version does not know.
+    #[error("this kind of light is not drawn yet")]
+    UnknownLight,
+    /// The camera looks nowhere.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+}

@@ -1,0 +1,112 @@
+//! A device and its queue, and what is asked of them everywhere.
+
+use bytemuck::Pod;
+use wgpu::util::DeviceExt;
+use wgpu::{
+    BindGroup, BindGroupEntry, BindGroupLayout, BindingResource, Buffer, BufferUsages, Device,
+    Extent3d, Queue, Texture, TextureFormat, TextureUsages, TextureView, TextureViewDescriptor,
+};
+
+/// The application's device and queue.
+#[derive(Clone)]
+pub struct Gpu {
+    pub device: Device,
+    pub queue: Queue,
+}
+
+impl Gpu {
+    /// Texels along the side of the largest texture.
+    pub fn largest_texture(&self) -> usize {
+        self.device.limits().max_texture_dimension_2d as usize
+    }
+
+    /// A texture without mip levels that shaders read and the host writes.
+    pub fn texture(
+        &self,
+        label: &str,
+        (width, height): (u32, u32),
+        format: TextureFormat,
+        usage: TextureUsages,
+    ) -> Texture {
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: Extent3d {
+                width,
+                height,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: usage | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
+            view_formats: &[],
+        })
+    }
+
+    /// Writes whole rows of a texture from row `top` on.
+    pub fn write_rows(&self, texture: &Texture, top: u32, bytes: &[u8]) {
+        self.write_level(texture, (0, top), texture.width(), bytes);
+    }
+
+    /// Writes whole rows of a mip level, which is `width` texels wide, from row `top` on.
+    pub fn write_level(
+        &self,
+        texture: &Texture,
+        (level, top): (u32, u32),
+        width: u32,
+        bytes: &[u8],
+    ) {
+        let row = width * texture.format().block_copy_size(None).unwrap_or(4);
+        self.queue.write_texture(
+            wgpu::TexelCopyTextureInfo {
+                texture,
+                mip_level: level,
+                origin: wgpu::Origin3d { x: 0, y: top, z: 0 },
+                aspect: wgpu::TextureAspect::All,
+            },
+            bytes,
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(row),
+                rows_per_image: None,
+            },
+            Extent3d {
+                width,
+                height: (bytes.len() / row as usize) as u32,
+                depth_or_array_layers: 1,
+            },
+        );
+    }
+
+    /// A uniform that does not change.
+    pub fn uniform(&self, label: &str, value: &impl Pod) -> Buffer {
+        self.device
+            .create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some(label),
+                contents: bytemuck::bytes_of(value),
+                usage: BufferUsages::UNIFORM,
+            })
+    }
+
+    /// A bind group of resources, each with its binding.
+    pub fn group<'a>(
+        &self,
+        label: &str,
+        layout: &BindGroupLayout,
+        resources: impl IntoIterator<Item = (u32, BindingResource<'a>)>,
+    ) -> BindGroup {
+        let entry = |(binding, resource)| BindGroupEntry { binding, resource };
+        let entries: Vec<BindGroupEntry> = resources.into_iter().map(entry).collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(label),
+            layout,
+            entries: &entries,
+        })
+    }
+}
+
+/// All of a texture.
+pub fn whole(texture: &Texture) -> TextureView {
+    texture.create_view(&TextureViewDescriptor::default())
+}

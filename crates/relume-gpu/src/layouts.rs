@@ -1,0 +1,92 @@
+//! Structs that the shaders read; a test holds them against the WGSL.
+
+use bytemuck::{Pod, Zeroable};
+
+/// `Page` of relight.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct Page {
+    pub first_row: u32,
+    pub channels: u32,
+    pub quads: u32,
+    pub unused: u32,
+}
+
+/// `DistantLight` of relight.wgsl: red, green and blue, each in quads.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct DistantLight {
+    pub quads: [[f32; 4]; DistantLight::QUADS],
+}
+
+impl DistantLight {
+    /// Quads of the highest order, by three channels.
+    pub const QUADS: usize = 3 * relume::basis::Order::MAX * relume::basis::Order::MAX / 4;
+}
+
+/// `View` of view.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct View {
+    pub clip_from_offset: [[f32; 4]; 4],
+    pub eye: [f32; 3],
+    pub scale: f32,
+    pub forward: [f32; 3],
+    pub surface: u32,
+    pub right: [f32; 3],
+    pub encoding: u32,
+    pub up: [f32; 3],
+    pub width: u32,
+    /// Columns, each padded to four.
+    pub background_from_world: [[f32; 4]; 3],
+}
+
+/// `Material` of view.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct Material {
+    pub base_color: [f32; 4],
+    pub cutoff: f32,
+    pub double_sided: u32,
+    pub unused: [u32; 2],
+}
+
+/// A vertex as the view pass reads it.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct Vertex {
+    pub position: [f32; 3],
+    pub uv: [f32; 2],
+    /// Linear, and alpha.
+    pub color: [f32; 4],
+    /// The side behind it, or [`NO_SIDE`].
+    pub back: u32,
+}
+
+/// No back side.
+pub const NO_SIDE: u32 = u32::MAX;
+
+impl Vertex {
+    /// Attributes 0 to 3 of view.wgsl.
+    pub const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
+        wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x2, 2 => Float32x4, 3 => Uint32];
+}
+
+/// What surfaces show, as view.wgsl numbers it.
+pub mod surface {
+    pub const SHADED: u32 = 0;
+    pub const WHITE: u32 = 1;
+    pub const SIGNED: u32 = 2;
+    pub const ALBEDO: u32 = 3;
+}
+
+/// How colours are written, as view.wgsl numbers it.
+pub mod encoding {
+    pub const RADIANCE: u32 = 0;
+    pub const LINEAR: u32 = 1;
+    pub const ENCODED: u32 = 2;
+}
+
+#[cfg(test)]
+#[path = "layouts_tests.rs"]
+mod tests;

@@ -1,0 +1,118 @@
+//! The shaders as the compiler reads them, against the structs of this side.
+
+use std::mem::{offset_of, size_of};
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+use super::*;
+use crate::pipelines::{RELIGHT, VIEW};
+
+fn parsed(source: &str) -> naga::Module {
+    naga::front::wgsl::parse_str(source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(source)))
+}
+
+#[test]
+fn every_shader_is_valid_without_any_extension() {
+    for source in [RELIGHT, VIEW] {
+        let validated =
+            Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&parsed(source));
+        if let Err(error) = validated {
+            panic!("{}", error.emit_to_string(source));
+        }
+    }
+}
+
+/// Asserts the members' names and offsets, and the size.
+fn check(source: &str, name: &str, size: usize, members: &[(&str, usize)]) {
+    let module = parsed(source);
+    let types = module.types.iter();
+    let found = types
+        .map(|(_, ty)| ty)
+        .find(|ty| ty.name.as_deref() == Some(name));
+    let Some(naga::TypeInner::Struct {
+        members: theirs,
+        span,
+    }) = found.map(|ty| &ty.inner)
+    else {
+        panic!("no struct {name}");
+    };
+    let theirs: Vec<(&str, usize)> = theirs
+        .iter()
+        .map(|member| (member.name.as_deref().unwrap(), member.offset as usize))
+        .collect();
+    assert_eq!(theirs, members, "{name}");
+    assert_eq!(*span as usize, size, "{name}");
+}
+
+/// A struct's name, its size, and the names and offsets of its fields.
+macro_rules! check {
+    ($source:expr, $name:ident { $($field:ident),+ }) => {
+        check($source, stringify!($name), size_of::<$name>(), &[$((stringify!($field), offset_of!($name, $field))),+]);
+    };
+}
+
+#[test]
+fn structs_lie_as_the_shaders_read_them() {
+    check!(
+        RELIGHT,
+        Page {
+            first_row,
+            channels,
+            quads,
+            unused
+        }
+    );
+    check!(RELIGHT, DistantLight { quads });
+    check!(
+        VIEW,
+        View {
+            clip_from_offset,
+            eye,
+            scale,
+            forward,
+            surface,
+            right,
+            encoding,
+            up,
+            width,
+            background_from_world
+        }
+    );
+    check!(
+        VIEW,
+        Material {
+            base_color,
+            cutoff,
+            double_sided,
+            unused
+        }
+    );
+    assert_eq!(size_of::<Vertex>(), 40);
+}
+
+#[test]
+fn numbers_have_the_shaders_names() {
+    let module = parsed(VIEW);
+    let value = |name: &str| {
+        let constants = module.constants.iter().map(|(_, constant)| constant);
+        let constant = constants
+            .into_iter()
+            .find(|c| c.name.as_deref() == Some(name));
+        match module.global_expressions[constant.expect(name).init] {
+            naga::Expression::Literal(naga::Literal::U32(value)) => value,
+            ref other => panic!("{name} is {other:?}"),
+        }
+    };
+    for (name, number) in [
+        ("SHADED", surface::SHADED),
+        ("WHITE", surface::WHITE),
+        ("SIGNED", surface::SIGNED),
+        ("ALBEDO", surface::ALBEDO),
+        ("RADIANCE", encoding::RADIANCE),
+        ("LINEAR", encoding::LINEAR),
+        ("ENCODED", encoding::ENCODED),
+        ("NO_SIDE", NO_SIDE),
+    ] {
+        assert_eq!(value(name), number, "{name}");
+    }
+}

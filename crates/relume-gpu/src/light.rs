@@ -1,0 +1,153 @@
+//! Light on the device.
+
+use relume::light::{IncidentLight, ObjectLight, ShLight, VertexLight};
+use wgpu::{BindGroup, BindingResource, RenderPipeline, TextureFormat, TextureUsages};
+
+use crate::GpuError;
+use crate::gpu::{Gpu, whole};
+use crate::layouts::DistantLight;
+use crate::pipelines::Relight;
+use crate::sides::Layout;
+use crate::transfer::GpuTransfer;
+
+/// A light as the relight pass reads it.
+pub enum GpuLight {
+    /// The same for all.
+    Distant(BindGroup),
+    /// Rows of light, and the row of each side.
+    Objects(BindGroup),
+    /// Pages like those of the transfer.
+    Vertices(Vec<BindGroup>),
+}
+
+impl GpuLight {
+    /// Uploads a light, cut or padded to the order of `transfer`.
+    pub fn new(
+        gpu: &Gpu,
+        layouts: &Relight,
+        transfer: &GpuTransfer,
+        light: &IncidentLight,
+    ) -> Result<Self, GpuError> {
+        match light {
+            IncidentLight::Distant(light) => Ok(distant(gpu, layouts, transfer, light)),
+            IncidentLight::PerObject(objects) => by_object(gpu, layouts, transfer, objects),
+            IncidentLight::PerVertex(light) => by_vertex(gpu, layouts, transfer, light),
+            _ => Err(GpuError::UnknownLight),
+        }
+    }
+
+    /// The pipeline that reads it.
+    pub fn pipeline<'a>(&self, layouts: &'a Relight) -> &'a RenderPipeline {
+        match self {
+            Self::Distant(_) => &layouts.distant.pipeline,
+            Self::Objects(_) => &layouts.objects.pipeline,
+            Self::Vertices(_) => &layouts.vertices.pipeline,
+        }
+    }
+
+    /// What a page of transfer is lit with.
+    pub fn group(&self, page: usize) -> &BindGroup {
+        match self {
+            Self::Distant(group) | Self::Objects(group) => group,
+            Self::Vertices(groups) => &groups[page],
+        }
+    }
+}
+
+/// Red, green and blue of a light in quads, one after another; what `planes` has no room for is cut.
+fn write_planes(light: &ShLight, quads: usize, planes: &mut [[f32; 4]]) {
+    let planes = planes.as_flattened_mut().chunks_exact_mut(4 * quads);
+    for (channel, plane) in planes.take(3).enumerate() {
+        for (value, rgb) in plane.iter_mut().zip(light.coefficients()) {
+            *value = rgb[channel];
+        }
+    }
+}
+
+fn distant(gpu: &Gpu, layouts: &Relight, transfer: &GpuTransfer, light: &ShLight) -> GpuLight {
+    let mut planes = DistantLight {
+        quads: [[0.0; 4]; DistantLight::QUADS],
+    };
+    let light = light.resized(transfer.order);
+    write_planes(&light, transfer.quads, &mut planes.quads);
+    let uniform = gpu.uniform("distant light", &planes);
+    let resources = [(0, uniform.as_entire_binding())];
+    GpuLight::Distant(gpu.group("distant light", &layouts.distant.light, resources))
+}
+
+fn by_object(
+    gpu: &Gpu,
+    layouts: &Relight,
+    transfer: &GpuTransfer,
+    objects: &[ObjectLight],
+) -> Result<GpuLight, GpuError> {
+    let (texels, limit) = (objects.len() + 1, gpu.largest_texture());
+    if texels > limit {
+        return Err(GpuError::Texture {
+            what: "light by object",
+            texels,
+            limit,
+        });
+    }
+    // Row 0 is dark, for vertices of no object.
+    let stride = 3 * transfer.quads;
+    let mut rows = vec![[0.0; 4]; stride * texels];
+    let mut row_of = vec![0_u32; transfer.vertices];
+    for (row, ObjectLight { vertices, light }) in (1_u32..).zip(objects) {
+        let planes = &mut rows[row as usize * stride..][..stride];
+        write_planes(&light.resized(transfer.order), transfer.quads, planes);
+        let mine = row_of.get_mut(vertices.clone());
+        mine.ok_or(GpuError::Mismatch {
+            what: "vertices of objects",
+            given: vertices.end,
+            expected: transfer.vertices,
+        })?
+        .fill(row);
+    }
+    let usage = TextureUsages::empty();
+    let size = (stride as u32, texels as u32);
+    let light = gpu.texture("light", size, TextureFormat::Rgba32Float, usage);
+    gpu.write_rows(&light, 0, bytemuck::cast_slice(&rows));
+    let size = (transfer.pages.width, transfer.pages.height());
+    let sides = 0..transfer.pages.sides;
+    let mut places: Vec<u32> = sides.map(|side| row_of[transfer.vertex(side)]).collect();
+    places.resize(size.0 as usize * size.1 as usize, 0);
+    let row = gpu.texture("object of each side", size, TextureFormat::R32Uint, usage);
+    gpu.write_rows(&row, 0, bytemuck::cast_slice(&places));
+    let resources = [
+        (1, BindingResource::TextureView(&whole(&light))),
+        (2, BindingResource::TextureView(&whole(&row))),
+    ];
+    let group = gpu.group("light by object", &layouts.objects.light, resources);
+    Ok(GpuLight::Objects(group))
+}
+
+fn by_vertex(
+    gpu: &Gpu,
+    layouts: &Relight,
+    transfer: &GpuTransfer,
+    light: &VertexLight,
+) -> Result<GpuLight, GpuError> {
+    if light.vertex_count() != transfer.vertices {
+        return Err(GpuError::Mismatch {
+            what: "lights by vertex",
+            given: light.vertex_count(),
+            expected: transfer.vertices,
+        });
+    }
+    let layout = Layout {
+        pages: &transfer.pages,
+        channels: 3,
+        quads: transfer.quads,
+    };
+    let count = transfer.order.count();
+    let groups = transfer.pages.pages().map(|rows| {
+        let page = layout.page(gpu, "light", &rows, |side, channel| {
+            let here = light.coefficients(transfer.vertex(side));
+            here.iter().take(count).map(move |rgb| rgb[channel])
+        });
+        let resources = [(1, BindingResource::TextureView(&whole(&page)))];
+        gpu.group("light by vertex", &layouts.vertices.light, resources)
+    });
+    Ok(GpuLight::Vertices(groups.collect()))
+}

@@ -1,0 +1,159 @@
+// The view pass: surfaces in their radiance, and what stands behind them.
+// CPU twins: relume::display::render (seen), relume::scene::World::surface, relume::display::ToneMap.
+
+struct View {
+    // From the offset of a point from the eye.
+    clip_from_offset: mat4x4f,
+    eye: vec3f,
+    // Radiance is multiplied by this before the tone map: 0.6 · 2^exposure.
+    scale: f32,
+    // The middle of the picture, and half of its width and of its height, at distance 1.
+    forward: vec3f,
+    // What surfaces show: one of the constants below.
+    surface: u32,
+    right: vec3f,
+    // How colours are written: one of the constants below.
+    encoding: u32,
+    up: vec3f,
+    // Texels in a row of the radiance texture.
+    width: u32,
+    background_from_world: mat3x3f,
+}
+
+const SHADED = 0u;
+const WHITE = 1u;
+const SIGNED = 2u;
+const ALBEDO = 3u;
+
+// Scene radiance as it is; tone-mapped; tone-mapped and sRGB-encoded.
+const RADIANCE = 0u;
+const LINEAR = 1u;
+const ENCODED = 2u;
+
+struct Material {
+    base_color: vec4f,
+    // Where alpha is below it there is no surface; negative for opaque materials.
+    cutoff: f32,
+    double_sided: u32,
+    unused: vec2u,
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(1) @binding(0) var radiance: texture_2d<f32>;
+@group(2) @binding(0) var<uniform> material: Material;
+@group(2) @binding(1) var base_color: texture_2d<f32>;
+@group(2) @binding(2) var base_color_sampler: sampler;
+@group(1) @binding(1) var background: texture_2d<f32>;
+@group(1) @binding(2) var background_sampler: sampler;
+
+// No back side: its radiance is 0.
+const NO_SIDE = 0xffffffffu;
+
+struct Seen {
+    @builtin(position) position: vec4f,
+    @location(0) uv: vec2f,
+    @location(1) color: vec4f,
+    @location(2) front: vec3f,
+    @location(3) back: vec3f,
+}
+
+fn radiance_of(side: u32) -> vec3f {
+    return textureLoad(radiance, vec2u(side % view.width, side / view.width), 0).rgb;
+}
+
+@vertex
+fn vertex(
+    @builtin(vertex_index) index: u32,
+    @location(0) position: vec3f,
+    @location(1) uv: vec2f,
+    @location(2) color: vec4f,
+    @location(3) back: u32,
+) -> Seen {
+    var seen: Seen;
+    seen.position = view.clip_from_offset * vec4f(position - view.eye, 1.0);
+    seen.uv = uv;
+    seen.color = color;
+    seen.front = radiance_of(index);
+    seen.back = vec3f();
+    if back != NO_SIDE {
+        seen.back = radiance_of(back);
+    }
+    return seen;
+}
+
+@fragment
+fn surface(seen: Seen, @builtin(front_facing) is_front: bool) -> @location(0) vec4f {
+    let color = material.base_color * seen.color * textureSample(base_color, base_color_sampler, seen.uv);
+    if color.a < material.cutoff {
+        discard;
+    }
+    var transferred = vec3f();
+    if is_front {
+        transferred = seen.front;
+    } else if material.double_sided != 0u {
+        transferred = seen.back;
+    }
+    switch view.surface {
+        case SIGNED: { return written(signed_color(transferred)); }
+        case WHITE: { return written(transferred); }
+        case ALBEDO: { return written(color.rgb); }
+        default: { return written(color.rgb * transferred); }
+    }
+}
+
+// Lines in a colour of their own, over everything.
+@fragment
+fn wire() -> @location(0) vec4f {
+    return written(vec3f(0.9, 0.35, 0.05) / max(view.scale, 1e-6));
+}
+
+// Luminance by its sign: warm where positive, cold where negative.
+fn signed_color(value: vec3f) -> vec3f {
+    let y = dot(value, vec3f(0.2126, 0.7152, 0.0722));
+    return select(vec3f(0.1, 0.35, 1.0), vec3f(1.0, 0.45, 0.1), y > 0.0) * abs(y);
+}
+
+struct Behind {
+    @builtin(position) position: vec4f,
+    @location(0) direction: vec3f,
+}
+
+@vertex
+fn behind(@builtin(vertex_index) corner: u32) -> Behind {
+    let x = select(-1.0, 3.0, corner == 1u);
+    let y = select(-1.0, 3.0, corner == 2u);
+    var behind: Behind;
+    // Depth is reversed: 0 is infinitely far.
+    behind.position = vec4f(x, y, 0.0, 1.0);
+    behind.direction = view.forward + x * view.right + y * view.up;
+    return behind;
+}
+
+// Lat-long as OpenEXR defines it: longitude 0 is +Z at the centre, +X left of it.
+@fragment
+fn sky(behind: Behind) -> @location(0) vec4f {
+    let d = normalize(view.background_from_world * behind.direction);
+    let u = 0.5 - atan2(d.x, d.z) * 0.15915494;
+    let v = 0.5 - asin(clamp(d.y, -1.0, 1.0)) * 0.31830987;
+    return written(textureSampleLevel(background, background_sampler, vec2f(u, v), 0.0).rgb);
+}
+
+fn written(color: vec3f) -> vec4f {
+    if view.encoding == RADIANCE {
+        return vec4f(color, 1.0);
+    }
+    let shown = tone_curve(color);
+    return vec4f(select(shown, srgb_code(shown), view.encoding == ENCODED), 1.0);
+}
+
+// CPU twin: relume::display::ToneMap::curve [narkowicz2016]. Negative radiance becomes 0.
+fn tone_curve(color: vec3f) -> vec3f {
+    let x = clamp(color * view.scale, vec3f(), vec3f(1e6));
+    return min(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), vec3f(1.0));
+}
+
+// CPU twin: relume::display::srgb_code [iec61966].
+fn srgb_code(linear: vec3f) -> vec3f {
+    let curve = 1.055 * pow(max(linear, vec3f(1e-9)), vec3f(1.0 / 2.4)) - 0.055;
+    return select(curve, 12.92 * linear, linear <= vec3f(0.0031308));
+}

@@ -1,0 +1,135 @@
+//! Transfer in textures, and the relight pass over them.
+
+use relume::asset::Transfer;
+use relume::basis::Order;
+use wgpu::{BindGroup, BindingResource, CommandEncoder, RenderPassTimestampWrites, TextureView};
+
+use crate::GpuError;
+use crate::gpu::{Gpu, whole};
+use crate::layouts::Page;
+use crate::light::GpuLight;
+use crate::pages::Pages;
+use crate::pipelines::{RADIANCE_FORMAT, Relight};
+use crate::sides::Layout;
+
+/// The transfer of every side on the device, and the radiance it has been turned into.
+pub struct GpuTransfer {
+    pub pages: Pages,
+    pub order: Order,
+    /// Fours of coefficients in a vector.
+    pub quads: usize,
+    /// Number of vertices.
+    pub vertices: usize,
+    /// The vertex of each back side; these sides follow the fronts.
+    pub backs: Vec<u32>,
+    pub radiance: TextureView,
+    parts: Vec<Part>,
+}
+
+/// A page of transfer.
+struct Part {
+    rows: std::ops::Range<u32>,
+    bind_group: BindGroup,
+}
+
+impl GpuTransfer {
+    /// Uploads the vectors of every side.
+    pub fn new(gpu: &Gpu, layouts: &Relight, transfer: &Transfer) -> Result<Self, GpuError> {
+        let quads = transfer.order.count().div_ceil(4);
+        let vertices = transfer.vertex_count();
+        let back = transfer.back.as_ref();
+        let backs = back.map_or(&[][..], |back| &back.vertices);
+        // Light by vertex takes three channels, whatever the transfer has.
+        let sides = vertices + backs.len();
+        let pages = Pages::new(sides, 3 * quads, gpu.largest_texture() as u32)?;
+        let layout = Layout {
+            pages: &pages,
+            channels: transfer.channels,
+            quads,
+        };
+        let part = |rows| {
+            let page = layout.page(gpu, "transfer", &rows, |side, channel| {
+                vector(transfer, side, channel).iter().copied()
+            });
+            let uniform = Page {
+                first_row: rows.start,
+                channels: transfer.channels as u32,
+                quads: quads as u32,
+                unused: 0,
+            };
+            let uniform = gpu.uniform("page", &uniform);
+            let resources = [
+                (0, uniform.as_entire_binding()),
+                (1, BindingResource::TextureView(&whole(&page))),
+            ];
+            let bind_group = gpu.group("page", &layouts.page, resources);
+            Part { rows, bind_group }
+        };
+        let parts = pages.pages().map(part).collect();
+        let size = (pages.width, pages.height());
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let radiance = gpu.texture("radiance", size, RADIANCE_FORMAT, usage);
+        Ok(Self {
+            pages,
+            order: transfer.order,
+            quads,
+            vertices,
+            backs: backs.to_vec(),
+            radiance: whole(&radiance),
+            parts,
+        })
+    }
+
+    /// The vertex of a side.
+    pub fn vertex(&self, side: usize) -> usize {
+        match side.checked_sub(self.vertices) {
+            Some(back) => self.backs[back] as usize,
+            None => side,
+        }
+    }
+
+    /// Encodes the relight pass: the radiance of every side.
+    pub fn relight(
+        &self,
+        encoder: &mut CommandEncoder,
+        layouts: &Relight,
+        light: &GpuLight,
+        timestamps: Option<RenderPassTimestampWrites>,
+    ) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("relight"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.radiance,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: None,
+            timestamp_writes: timestamps,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        pass.set_pipeline(light.pipeline(layouts));
+        for (i, part) in self.parts.iter().enumerate() {
+            pass.set_bind_group(0, &part.bind_group, &[]);
+            pass.set_bind_group(1, light.group(i), &[]);
+            let (top, rows) = (part.rows.start as f32, part.rows.len() as f32);
+            pass.set_viewport(0.0, top, self.pages.width as f32, rows, 0.0, 1.0);
+            pass.draw(0..3, 0..1);
+        }
+    }
+}
+
+/// The transfer vector of a side and channel.
+fn vector(transfer: &Transfer, side: usize, channel: usize) -> &[f32] {
+    match (&transfer.back, side.checked_sub(transfer.vertex_count())) {
+        (Some(back), Some(i)) => {
+            let first = i * transfer.stride() + channel * transfer.order.count();
+            &back.coefficients[first..first + transfer.order.count()]
+        }
+        _ => transfer.vector(side, channel),
+    }
+}

@@ -1,0 +1,8 @@
+//! The GPU against its CPU twins, on every back end that this machine has an adapter for (software ones will do).
+
+mod compare;
+mod device;
+mod features;
+mod lights;
+mod limits;
+mod scenes;
