@@ -31,11 +31,12 @@ impl Background {
             Environment::Rotated(rotated) => (rotated.inner(), rotated.world_from_light()),
             other => (other, DMat3::IDENTITY),
         };
-        let picture = picture(inner, MOST_ROWS.min(gpu.largest_texture() / 2));
-        let size = (picture.width as u32, picture.height as u32);
+        let picture = picture(inner, MOST_ROWS.min(gpu.largest_texture() / 2 - 2));
+        let texels = beyond_the_poles(&picture);
+        let size = (picture.width as u32, picture.height as u32 + 2);
         let format = wgpu::TextureFormat::Rgba16Float;
         let image = gpu.texture("background", size, format, wgpu::TextureUsages::empty());
-        gpu.write_rows(&image, 0, bytemuck::cast_slice(&picture.texels));
+        gpu.write_rows(&image, 0, bytemuck::cast_slice(&texels));
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("background"),
             address_mode_u: wgpu::AddressMode::Repeat,
@@ -61,6 +62,20 @@ struct Picture {
     height: usize,
     /// Red, green, blue and 1, as halves.
     texels: Vec<[u16; 4]>,
+}
+
+/// The rows of a picture, with one before and one after: over a pole one comes to the row one left, half way around.
+fn beyond_the_poles(picture: &Picture) -> Vec<[u16; 4]> {
+    let turned = |row: &[[u16; 4]]| {
+        let mut row = row.to_vec();
+        row.rotate_left(picture.width / 2);
+        row
+    };
+    let (first, last) = (
+        &picture.texels[..picture.width],
+        &picture.texels[picture.texels.len() - picture.width..],
+    );
+    [turned(first), picture.texels.clone(), turned(last)].concat()
 }
 
 fn picture(environment: &Environment, most_rows: usize) -> Picture {

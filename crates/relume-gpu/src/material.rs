@@ -68,7 +68,7 @@ fn sampling(sampler: Sampler) -> wgpu::SamplerDescriptor<'static> {
         address_mode_u: address(sampler.wrap_u),
         address_mode_v: address(sampler.wrap_v),
         mag_filter: near,
-        min_filter: wgpu::FilterMode::Linear,
+        min_filter: near,
         mipmap_filter: wgpu::MipmapFilterMode::Linear,
         ..wgpu::SamplerDescriptor::default()
     }

@@ -17,8 +17,8 @@ pub const RELIGHT: &str = include_str!("shaders/relight.wgsl");
 /// The view pass.
 pub const VIEW: &str = include_str!("shaders/view.wgsl");
 
-/// Transferred radiance: exact, and every back end draws to it.
-pub const RADIANCE_FORMAT: TextureFormat = TextureFormat::Rgba32Float;
+/// Transferred radiance: the bits of floats, since OpenGL and WebGL2 draw to integers without asking for an extension.
+pub const RADIANCE_FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
 
 /// One relight pipeline for each kind of light.
 pub struct Relight {
@@ -97,7 +97,7 @@ impl ViewPass {
         let radiance = layout(
             device,
             "radiance",
-            &[texture(0, ShaderStages::VERTEX, EXACT)],
+            &[texture(0, ShaderStages::VERTEX, TextureSampleType::Uint)],
         );
         let filtered = TextureSampleType::Float { filterable: true };
         let sampled = |first: u32| {

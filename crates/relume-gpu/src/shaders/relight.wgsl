@@ -1,6 +1,8 @@
 // The relight pass: one fragment per side of a surface, radiance without albedo. Run when the light changes.
 // CPU twin: relume::shade::transferred_radiance.
 //
+// The target holds the bits of floats in unsigned integers: every back end draws to those, and not every one to floats.
+//
 // A side is the front of a vertex, or the back of one on a double-sided surface. Side i lies at texel (i % width, i / width) of the
 // radiance texture. Its transfer vectors, cut into quads of four coefficients, lie below one another in a page: `channels` × `quads`
 // texels, from row (row of the side − first row of the page) × channels × quads.
@@ -45,7 +47,7 @@ fn response(place: vec2u, quad: u32, red: vec4f, green: vec4f, blue: vec4f) -> v
 }
 
 @fragment
-fn relight_distant(@builtin(position) at: vec4f) -> @location(0) vec4f {
+fn relight_distant(@builtin(position) at: vec4f) -> @location(0) vec4u {
     let place = vec2u(at.xy);
     var sum = vec3f();
     for (var quad = 0u; quad < page.quads; quad++) {
@@ -54,11 +56,11 @@ fn relight_distant(@builtin(position) at: vec4f) -> @location(0) vec4f {
         let blue = distant.quads[2u * page.quads + quad];
         sum += response(place, quad, red, green, blue);
     }
-    return vec4f(sum, 1.0);
+    return bitcast<vec4u>(vec4f(sum, 1.0));
 }
 
 @fragment
-fn relight_objects(@builtin(position) at: vec4f) -> @location(0) vec4f {
+fn relight_objects(@builtin(position) at: vec4f) -> @location(0) vec4u {
     let place = vec2u(at.xy);
     let object = textureLoad(objects, place, 0).x;
     var sum = vec3f();
@@ -68,11 +70,11 @@ fn relight_objects(@builtin(position) at: vec4f) -> @location(0) vec4f {
         let blue = textureLoad(light, vec2u(2u * page.quads + quad, object), 0);
         sum += response(place, quad, red, green, blue);
     }
-    return vec4f(sum, 1.0);
+    return bitcast<vec4u>(vec4f(sum, 1.0));
 }
 
 @fragment
-fn relight_vertices(@builtin(position) at: vec4f) -> @location(0) vec4f {
+fn relight_vertices(@builtin(position) at: vec4f) -> @location(0) vec4u {
     let place = vec2u(at.xy);
     let first = (place.y - page.first_row) * 3u * page.quads;
     var sum = vec3f();
@@ -82,5 +84,5 @@ fn relight_vertices(@builtin(position) at: vec4f) -> @location(0) vec4f {
         let blue = textureLoad(light, vec2u(place.x, first + 2u * page.quads + quad), 0);
         sum += response(place, quad, red, green, blue);
     }
-    return vec4f(sum, 1.0);
+    return bitcast<vec4u>(vec4f(sum, 1.0));
 }

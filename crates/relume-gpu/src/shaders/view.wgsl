@@ -39,7 +39,7 @@ struct Material {
 }
 
 @group(0) @binding(0) var<uniform> view: View;
-@group(1) @binding(0) var radiance: texture_2d<f32>;
+@group(1) @binding(0) var radiance: texture_2d<u32>;
 @group(2) @binding(0) var<uniform> material: Material;
 @group(2) @binding(1) var base_color: texture_2d<f32>;
 @group(2) @binding(2) var base_color_sampler: sampler;
@@ -58,7 +58,8 @@ struct Seen {
 }
 
 fn radiance_of(side: u32) -> vec3f {
-    return textureLoad(radiance, vec2u(side % view.width, side / view.width), 0).rgb;
+    let bits = textureLoad(radiance, vec2u(side % view.width, side / view.width), 0);
+    return bitcast<vec3f>(bits.rgb);
 }
 
 @vertex
@@ -135,7 +136,10 @@ fn sky(behind: Behind) -> @location(0) vec4f {
     let d = normalize(view.background_from_world * behind.direction);
     let u = 0.5 - atan2(d.x, d.z) * 0.15915494;
     let v = 0.5 - asin(clamp(d.y, -1.0, 1.0)) * 0.31830987;
-    return written(textureSampleLevel(background, background_sampler, vec2f(u, v), 0.0).rgb);
+    // The first and the last row are what lies beyond the poles.
+    let rows = f32(textureDimensions(background).y);
+    let place = vec2f(u, (v * (rows - 2.0) + 1.0) / rows);
+    return written(textureSampleLevel(background, background_sampler, place, 0.0).rgb);
 }
 
 fn written(color: vec3f) -> vec4f {

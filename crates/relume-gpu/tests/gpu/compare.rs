@@ -2,12 +2,14 @@
 
 use glam::Vec3;
 use relume::bake::trace::Tracer;
-use relume::display::{self, Camera, Picture, RaycastOptions, VertexRadiance};
+use relume::display::{self, Camera, Picture, RaycastOptions, ToneMap, VertexRadiance};
 use relume::scene::World;
+
+use crate::device::Drawn;
 
 /// How far the centre of a pixel may be off, in pixels: rasterisers keep corners to 1/256 of a pixel, so an edge (and all that is interpolated
 /// between edges) lies up to half of that elsewhere; four times as much, for edges seen at a slant.
-const OFF: f32 = 1.0 / 128.0;
+pub const EDGE: f32 = 1.0 / 128.0;
 
 /// What the CPU sees: its picture, and the darkest and brightest it would see with pixels that are slightly off.
 pub struct Expected {
@@ -17,13 +19,14 @@ pub struct Expected {
 }
 
 impl Expected {
-    /// One ray through the middle of each pixel, and four around it.
+    /// One ray through the middle of each pixel, and four that are `off` pixels aside.
     pub fn new(
         world: &World,
         radiance: &VertexRadiance,
         background: &(dyn Fn(Vec3) -> [f32; 3] + Sync),
         camera: &Camera,
         (width, height): (u32, u32),
+        off: f32,
     ) -> Self {
         let tracer = Tracer::new(world);
         let options = RaycastOptions {
@@ -40,7 +43,7 @@ impl Expected {
         let distance = f64::from((camera.target - camera.eye).length());
         let pixel = 2.0 * frame.half_height * distance / f64::from(height);
         for (x, y) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
-            let aside = (frame.right * x + frame.up * y) * pixel * f64::from(OFF);
+            let aside = (frame.right * x + frame.up * y) * pixel * f64::from(off);
             // A turn of so little moves the picture as a whole.
             let target = camera.target + aside.as_vec3();
             let turned = look(&Camera { target, ..*camera });
@@ -54,27 +57,14 @@ impl Expected {
         Self { picture, low, high }
     }
 
-    /// Asserts that every pixel lies within what the CPU sees around it, `relative` of its brightness and `absolute` more; returns the
-    /// largest difference that is left, and says it.
-    pub fn check(&self, name: &str, picture: &Picture, relative: f32, absolute: f32) -> f32 {
-        assert_eq!(
-            (picture.width, picture.height),
-            (self.picture.width, self.picture.height)
-        );
-        let mut largest = 0.0_f32;
-        let mut outside = 0;
-        let mut different = 0.0_f32;
-        for (i, pixel) in picture.pixels.iter().enumerate() {
-            for (c, &value) in pixel.iter().enumerate() {
-                assert!(value.is_finite(), "{name}: pixel {i} is {value}");
-                let (low, high) = (self.low[i][c], self.high[i][c]);
-                let off = (low - value).max(value - high).max(0.0);
-                largest = largest.max(off);
-                different = different.max((value - self.picture.pixels[i][c]).abs());
-                outside += u32::from(off > relative * high.abs().max(low.abs()) + absolute);
-            }
-        }
-        println!("{name}: largest difference {largest:.2e} ({different:.2e} with edges)");
+    /// Asserts that every pixel lies within what the CPU sees around it, `relative` of its brightness and `absolute` more (and one code more,
+    /// where codes are drawn); says the largest difference.
+    pub fn check(&self, name: &str, drawn: &Drawn, relative: f32, absolute: f32) {
+        let (outside, largest) = match drawn {
+            Drawn::Radiance(pixels) => self.off(pixels, relative, absolute),
+            Drawn::Codes(pixels) => self.codes_off(pixels, relative, absolute),
+        };
+        println!("{name}: largest difference {largest}");
         assert_eq!(
             outside, 0,
             "{name}: values outside; the largest difference is {largest}"
@@ -85,6 +75,39 @@ impl Expected {
             lit * 20 > self.picture.pixels.len(),
             "{name}: {lit} lit pixels"
         );
-        largest
+    }
+
+    /// How many values lie outside, and the largest distance from what the CPU sees.
+    fn off(&self, pixels: &[[f32; 3]], relative: f32, absolute: f32) -> (usize, String) {
+        let (mut outside, mut largest) = (0, 0.0_f32);
+        for (i, pixel) in pixels.iter().enumerate() {
+            for (c, &value) in pixel.iter().enumerate() {
+                assert!(value.is_finite(), "pixel {i} is {value}");
+                let (low, high) = (self.low[i][c], self.high[i][c]);
+                let off = (low - value).max(value - high).max(0.0);
+                largest = largest.max(off);
+                outside += usize::from(off > relative * high.abs().max(low.abs()) + absolute);
+            }
+        }
+        (outside, format!("{largest:.1e}"))
+    }
+
+    fn codes_off(&self, pixels: &[[u8; 3]], relative: f32, absolute: f32) -> (usize, String) {
+        let tone = ToneMap::default();
+        let (mut outside, mut largest) = (0, 0);
+        for (i, pixel) in pixels.iter().enumerate() {
+            let code = |radiance: [f32; 3], sign: f32| {
+                tone.encode(radiance.map(|x| x + sign * (relative * x.abs() + absolute)))
+            };
+            let exact = (tone.encode(self.low[i]), tone.encode(self.high[i]));
+            let allowed = (code(self.low[i], -1.0), code(self.high[i], 1.0));
+            for (c, &value) in pixel.iter().enumerate() {
+                let beyond =
+                    |low: u8, high: u8| low.saturating_sub(value).max(value.saturating_sub(high));
+                largest = largest.max(beyond(exact.0[c], exact.1[c]));
+                outside += usize::from(beyond(allowed.0[c], allowed.1[c]) > 1);
+            }
+        }
+        (outside, format!("{largest} codes"))
     }
 }

@@ -1,11 +1,13 @@
 //! Devices without a window.
 
-use relume::display::{Camera, Picture};
+use relume::display::Camera;
 use relume_gpu::{Look, Offscreen, Renderer, Target};
 use wgpu::TextureFormat;
 
 /// A device of one back end.
 pub struct Gpu {
+    /// Whether it draws to floats. OpenGL does not say that it does.
+    pub floats: bool,
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
 }
@@ -15,6 +17,34 @@ pub const RADIANCE: Target = Target {
     format: TextureFormat::Rgba32Float,
     samples: 1,
 };
+
+/// What is drawn into where floats are not: codes, tone-mapped.
+pub const CODES: Target = Target {
+    format: TextureFormat::Rgba8Unorm,
+    samples: 1,
+};
+
+/// A picture, rows from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Drawn {
+    Radiance(Vec<[f32; 3]>),
+    Codes(Vec<[u8; 3]>),
+}
+
+impl Drawn {
+    /// The pixels, by whatever measure.
+    pub fn pixels(&self) -> Vec<[f32; 3]> {
+        match self {
+            Self::Radiance(pixels) => pixels.clone(),
+            Self::Codes(pixels) => pixels.iter().map(|p| p.map(f32::from)).collect(),
+        }
+    }
+
+    /// How many are not black.
+    pub fn lit(&self) -> usize {
+        self.pixels().iter().filter(|p| p[0] > 0.0).count()
+    }
+}
 
 impl Gpu {
     /// A device with no more than WebGL2 has, or `None` after the line that counts the test as skipped.
@@ -44,29 +74,42 @@ impl Gpu {
             ..wgpu::DeviceDescriptor::default()
         }))
         .unwrap();
-        Some(Self { device, queue })
+        let floats = adapter.get_texture_format_features(RADIANCE.format);
+        let floats = floats
+            .allowed_usages
+            .contains(wgpu::TextureUsages::RENDER_ATTACHMENT);
+        Some(Self {
+            floats,
+            device,
+            queue,
+        })
     }
 
-    /// A renderer of scene radiance.
+    /// What pictures are compared in: radiance, where the device draws to floats.
+    pub fn target(&self) -> Target {
+        if self.floats { RADIANCE } else { CODES }
+    }
+
+    /// A renderer to that target.
     pub fn renderer(&self) -> Renderer {
-        Renderer::new(&self.device, &self.queue, RADIANCE)
+        Renderer::new(&self.device, &self.queue, self.target())
     }
 
-    /// The picture, in scene radiance.
+    /// The picture.
     pub fn draw(
         &self,
         renderer: &mut Renderer,
         camera: &Camera,
         look: &Look,
-        (width, height): (u32, u32),
-    ) -> Picture {
-        let bytes = self.bytes(renderer, RADIANCE, camera, look, (width, height));
-        let texels: &[[f32; 4]] = bytemuck::cast_slice(&bytes);
-        Picture {
-            width,
-            height,
-            pixels: texels.iter().map(|&[r, g, b, _]| [r, g, b]).collect(),
+        size: (u32, u32),
+    ) -> Drawn {
+        let bytes = self.bytes(renderer, self.target(), camera, look, size);
+        if self.floats {
+            let texels: &[[f32; 4]] = bytemuck::cast_slice(&bytes);
+            return Drawn::Radiance(texels.iter().map(|&[r, g, b, _]| [r, g, b]).collect());
         }
+        let texels = bytes.chunks_exact(4);
+        Drawn::Codes(texels.map(|texel| [texel[0], texel[1], texel[2]]).collect())
     }
 
     /// The bytes of a picture, rows from the top.

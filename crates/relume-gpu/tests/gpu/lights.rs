@@ -6,7 +6,7 @@ use relume::light::{IncidentLight, ObjectLight, VertexLight};
 use relume::scene::World;
 use relume_gpu::{GpuError, Look};
 
-use crate::compare::Expected;
+use crate::compare::{EDGE, Expected};
 use crate::device::{Gpu, on_each_back_end};
 use crate::scenes::{SIZE, ball, camera, distant, light, transfer};
 
@@ -25,14 +25,21 @@ fn check(gpu: &Gpu, name: &str, world: &World, transfer: &Transfer, light: &Inci
     let from = camera(world);
     let drawn = gpu.draw(&mut renderer, &from, &Look::default(), SIZE);
     let radiance = VertexRadiance::new(transfer, light);
-    let expected = Expected::new(world, &radiance, &|_| [0.0; 3], &from, SIZE);
+    let expected = Expected::new(world, &radiance, &|_| [0.0; 3], &from, SIZE, EDGE);
     expected.check(name, &drawn, 1e-5, 1e-5);
 }
 
-/// Another light at every vertex, of `order`.
+/// Another light at every vertex, of `order`: from one to another along x.
 fn by_vertex(world: &World, order: usize) -> IncidentLight {
-    let lights =
-        (0..world.positions.len()).flat_map(|v| light(order, v % 13).coefficients().to_vec());
+    let (one, other) = (light(order, 1), light(order, 2));
+    let mixed = |x: f32| {
+        let pairs = one.coefficients().iter().zip(other.coefficients());
+        pairs.map(move |(a, b)| [0, 1, 2].map(|c| a[c] + (b[c] - a[c]) * x))
+    };
+    let lights = world
+        .positions
+        .iter()
+        .flat_map(|p| mixed(p.x).collect::<Vec<_>>());
     let order = relume::basis::Order::new(order).unwrap();
     IncidentLight::PerVertex(VertexLight::new(order, lights.collect()))
 }
@@ -115,7 +122,7 @@ fn orders_are_cut_and_padded(gpu: &Gpu) {
 /// Order 32 takes 768 texels of 2048 a side, so a few rows of vertices fill a page.
 fn pages_meet_without_a_seam(gpu: &Gpu) {
     let world = World::new(&relume::scene::bundled::plane_under_sphere(
-        0.5, 0.7, 2.0, 80, 0.5,
+        0.5, 0.7, 2.0, 120, 0.5,
     ));
     assert!(
         world.positions.len() > 2 * 2 * 1024,
