@@ -1,0 +1,101 @@
+use super::*;
+
+fn meaning() -> Meaning {
+    Meaning {
+        order: Order::new(5).unwrap(),
+        channels: 3,
+        kind: TransferKind::Shadowed { bounces: 2 },
+        samples: 1024,
+        seed: u64::MAX,
+        made: Provenance {
+            error: Some(0.005),
+            tracer: Some("embree".to_owned()),
+            bake: Some("5e".repeat(32)),
+        },
+        albedo: None,
+        source_hash: String::new(),
+        beside: None,
+    }
+}
+
+fn primitives() -> Vec<Primitive> {
+    let first = Primitive {
+        count: Some(7),
+        input_vertices: Some(4),
+        transfer: Some(3),
+        back: Some(Back {
+            count: 1,
+            vertices: 4,
+            transfer: 5,
+        }),
+        ..Primitive::default()
+    };
+    let second = Primitive {
+        same_as: Some(0),
+        ..Primitive::default()
+    };
+    vec![first, second, Primitive::default()]
+}
+
+#[test]
+fn a_header_comes_back_as_it_went() {
+    let hash = "0123456789abcdef".repeat(4);
+    for seed in [0, 1 << 53, (1 << 53) + 1, u64::MAX] {
+        let written = Meaning {
+            seed,
+            albedo: Some([0.5, 0.25, 0.1]),
+            source_hash: hash.clone(),
+            beside: (seed > 0).then(|| Beside {
+                byte_length: 1 << 40,
+                crc32: "0123abcd".to_owned(),
+            }),
+            ..meaning()
+        };
+        let text = to_json(&written, &primitives()).to_string();
+        let read = from_json(&serde_json::from_str(&text).unwrap()).unwrap();
+        assert_eq!(read, (written, primitives()));
+    }
+}
+
+#[test]
+fn unknown_tokens_are_refused_by_name() {
+    let changes = [
+        ("basis", "haar"),
+        ("convention", "real-cs"),
+        ("quantity", "radiance"),
+        ("colour", "srgb"),
+        ("precision", "f16"),
+        ("frame", "object"),
+        ("kind", "glossy\u{1b}"),
+        ("seed", "-1"),
+        ("source", "sha256:12"),
+        ("samples", "many"),
+    ];
+    for (key, value) in changes {
+        let mut json = to_json(&meaning(), &[]);
+        json[key] = value.into();
+        let Err(HeaderError::Wrong(what)) = from_json(&json) else {
+            panic!("{key} {value} was accepted");
+        };
+        assert!(!what.contains(['\u{1b}', '\n']), "{what}");
+    }
+    for (key, value) in [
+        ("order", 0),
+        ("order", 33),
+        ("channels", 2),
+        ("channels", 4),
+    ] {
+        let mut json = to_json(&meaning(), &[]);
+        json[key] = value.into();
+        assert!(matches!(from_json(&json), Err(HeaderError::Wrong(_))));
+    }
+}
+
+#[test]
+fn a_version_to_come_is_told_apart() {
+    let mut json = to_json(&meaning(), &[]);
+    json["version"] = 2.into();
+    assert!(matches!(from_json(&json), Err(HeaderError::Newer(2))));
+    json["version"] = "1".into();
+    assert!(matches!(from_json(&json), Err(HeaderError::Wrong(_))));
+}
