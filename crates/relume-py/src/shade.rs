@@ -4,7 +4,7 @@ use numpy::{
     PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
-use relume::asset::{Provenance, Transfer, TransferKind};
+use relume::asset::{Precision, Provenance, Transfer, TransferKind};
 use relume::basis::Order;
 use relume::light::{IncidentLight, ShLight};
 
@@ -39,6 +39,7 @@ pub fn shade<'py>(
         samples: 0,
         seed: 0,
         made: Provenance::default(),
+        precision: Precision::F32,
         coefficients: transfer.as_slice()?.to_vec().into(),
         valid: vec![true; vertices],
         back: None,

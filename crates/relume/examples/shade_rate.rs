@@ -10,7 +10,7 @@ use std::mem::size_of_val;
 use std::time::Instant;
 
 use rayon::prelude::*;
-use relume::asset::{Provenance, Transfer, TransferKind};
+use relume::asset::{Precision, Provenance, Transfer, TransferKind};
 use relume::basis::Order;
 use relume::light::ShLight;
 use relume::shade;
@@ -38,6 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             samples: 0,
             seed: 0,
             made: Provenance::default(),
+            precision: Precision::F32,
             coefficients: numbers.map(|i| (i % 1013) as f32).collect(),
             valid: vec![true; VERTICES],
             back: None,

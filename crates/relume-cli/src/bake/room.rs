@@ -32,7 +32,8 @@ pub fn check(
 ) -> Result<Room, Failure> {
     let output = &args.output;
     let need = options.need(world);
-    let file = asset::predicted_size(scene, options.order, options.channels())?;
+    let (order, channels) = (options.order, options.channels());
+    let file = asset::predicted_size(scene, order, channels, options.precision)?;
     asset::check_place(output, file)?;
     let said = format!(
         "{} vertices × {} coefficients × {} channel{}: {} of transfer, {} on disk",

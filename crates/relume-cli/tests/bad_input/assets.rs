@@ -82,9 +82,9 @@ fn headers(made: &Made) -> Vec<Case> {
             "convention",
         ),
         refused(
-            "half floats",
-            header("precision", json!("f16")),
-            "precision",
+            "another precision",
+            header("precision", json!("f64")),
+            "not \"f32\" or \"f16\"",
         ),
         refused(
             "a kind with control characters",

@@ -3,7 +3,8 @@
 use std::borrow::Cow;
 use std::io::{self, Write};
 
-use super::AssetError;
+use super::precision::le_halves;
+use super::{AssetError, Precision};
 use crate::files::le_bytes;
 
 const MAGIC: [u8; 4] = *b"glTF";
@@ -64,14 +65,25 @@ pub enum Part<'a> {
     Bytes(Cow<'a, [u8]>),
     /// As little-endian f32.
     Floats(&'a [f32]),
+    /// As little-endian half floats.
+    Halves(&'a [f32]),
 }
 
-impl Part<'_> {
+impl<'a> Part<'a> {
+    /// Coefficients in this precision, to which they are rounded already.
+    pub fn coefficients(values: &'a [f32], precision: Precision) -> Self {
+        match precision {
+            Precision::F32 => Self::Floats(values),
+            Precision::F16 => Self::Halves(values),
+        }
+    }
+
     /// Length in bytes.
     pub fn len(&self) -> u64 {
         match self {
             Self::Bytes(bytes) => bytes.len() as u64,
             Self::Floats(floats) => 4 * floats.len() as u64,
+            Self::Halves(floats) => 2 * floats.len() as u64,
         }
     }
 
@@ -82,6 +94,9 @@ impl Part<'_> {
             Self::Floats(floats) => floats
                 .chunks(1 << 16)
                 .try_for_each(|piece| writer.write_all(&le_bytes(piece))),
+            Self::Halves(floats) => floats
+                .chunks(1 << 16)
+                .try_for_each(|piece| writer.write_all(&le_halves(piece))),
         }
     }
 }
@@ -177,7 +192,8 @@ mod tests {
         let mut bin = Bin::default();
         assert_eq!(bin.push(Part::Bytes(Cow::Borrowed(b"five!"))), 0);
         assert_eq!(bin.push(Part::Floats(&[1.0, -2.0])), 8);
-        assert_eq!(bin.push(Part::Bytes(Cow::Owned(vec![7]))), 16);
+        assert_eq!(bin.push(Part::Halves(&[1.0, -2.0, 0.1])), 16);
+        assert_eq!(bin.push(Part::Bytes(Cow::Owned(vec![7]))), 24);
         let container = Container::new(b"{\"a\":1}".to_vec(), bin).unwrap();
         let mut bytes = Vec::new();
         container.write(&mut bytes).unwrap();
@@ -191,7 +207,9 @@ mod tests {
         let (json, bin) = split(&bytes).unwrap();
         assert_eq!(json, b"{\"a\":1} ");
         let mut expected = b"five!\0\0\0".to_vec();
-        expected.extend([0, 0, 0x80, 0x3f, 0, 0, 0, 0xc0, 7, 0, 0, 0]);
+        expected.extend([0, 0, 0x80, 0x3f, 0, 0, 0, 0xc0]);
+        // 0.1 is 1.1001100110 · 2⁻⁴, rounded up from …01100: sign, five bits of exponent + 15, ten of fraction.
+        expected.extend([0, 0x3c, 0, 0xc0, 0x66, 0x2e, 0, 0, 7, 0, 0, 0]);
         assert_eq!(bin, expected);
     }
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Asset, TransferKind, header};
+use super::{Asset, Precision, TransferKind, header};
 use crate::basis::Order;
 use crate::files::printable;
 
@@ -29,9 +29,11 @@ pub struct Description {
     pub invalid: usize,
     /// Vertices with a transfer of their back side too.
     pub back_vertices: usize,
-    /// Bytes of coefficients per vertex.
+    /// How the file stores coefficients.
+    pub precision: Precision,
+    /// Bytes of coefficients per vertex in the file.
     pub bytes_per_vertex: usize,
-    /// Bytes of all coefficients, back sides included.
+    /// Bytes of all coefficients in the file, back sides included.
     pub transfer_bytes: u64,
     /// Meshes placed in the scene.
     pub instances: usize,
@@ -68,8 +70,9 @@ pub fn describe(asset: &Asset) -> Description {
         input_vertices: meshes().map(|mesh| mesh.input_vertices).sum(),
         invalid: transfer.valid.iter().filter(|&&valid| !valid).count(),
         back_vertices: back.map_or(0, |back| back.vertices.len()),
-        bytes_per_vertex: 4 * transfer.stride(),
-        transfer_bytes: 4 * coefficients as u64,
+        precision: transfer.precision,
+        bytes_per_vertex: transfer.precision.bytes() * transfer.stride(),
+        transfer_bytes: (transfer.precision.bytes() * coefficients) as u64,
         instances: scene.instances.len(),
         triangles: scene.triangle_count(),
         materials: scene.materials.len(),
@@ -106,6 +109,7 @@ impl fmt::Display for Description {
                 format!("{}, without the receiver's own albedo", header::QUANTITY),
             ),
             ("channels", self.channels_in_words().to_owned()),
+            ("precision", self.precision_in_words().to_owned()),
             ("space", "the scene's root, right-handed, y up".to_owned()),
             (
                 "vertices",
@@ -156,6 +160,13 @@ impl Description {
         match self.channels {
             1 => "1, for every colour",
             _ => "3, linear Rec. 709",
+        }
+    }
+
+    fn precision_in_words(&self) -> &'static str {
+        match self.precision {
+            Precision::F32 => "f32",
+            Precision::F16 => "f16: rounded to half floats, f32 in memory",
         }
     }
 

@@ -59,7 +59,10 @@ pub enum AssetError {
         /// What is wrong with it.
         what: String,
     },
-    /// The scene holds something that a `.glb` cannot say.
+    /// A coefficient is too large for a half float.
+    #[error(transparent)]
+    PastHalf(#[from] super::PastHalf),
+    /// The scene, or its transfer, holds something that a `.glb` cannot say.
     #[error("{0}")]
     Unwritable(String),
     /// The gather operator of a file is none: what follows "RELUME_transfer".

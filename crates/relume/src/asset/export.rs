@@ -77,7 +77,7 @@ fn fits(world: &World, count: usize, what: &str) -> Result<(), AssetError> {
 /// What every coefficient set says of itself, as arrays of no dimension.
 fn write_header(npz: &mut Npz<impl Write + Seek>, asset: &Asset) -> io::Result<()> {
     let transfer = &asset.transfer;
-    for (key, token) in header::TOKENS {
+    for (key, token) in header::tokens(transfer.precision) {
         npz.text(key, token)?;
     }
     let (kind, bounces) = header::kind(transfer.kind);

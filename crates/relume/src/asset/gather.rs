@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::builder::{Builder, object};
 use super::container::Part;
 use super::views::Views;
-use super::{AssetError, header};
+use super::{AssetError, Precision, header};
 use crate::files::le_words;
 
 /// G in `B_{k+1} = G · B_k`, with B the transferred radiance of every side (without its own albedo): what is seen of all other sides, each
@@ -152,7 +152,8 @@ impl Gather {
         }
         let mut weights = Vec::new();
         let columns = views.words(named.columns, named.entries)?;
-        views.floats(named.weights, named.entries, named.channels, &mut weights)?;
+        let shape = (named.entries, named.channels);
+        views.floats(named.weights, shape, Precision::F32, &mut weights)?;
         let gather = Self {
             channels: named.channels,
             starts,

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Provenance, Transfer, TransferKind};
+use super::{Precision, Provenance, Transfer, TransferKind};
 use crate::basis::Order;
 
 /// Name of the extension.
@@ -13,15 +13,18 @@ pub const VERSION: u64 = 1;
 /// Numbers above this are not exact in every JSON reader, so seeds above it are strings.
 const EXACT: u64 = 1 << 53;
 
-/// The tokens that say how coefficients are to be understood. One value each as yet; a reader refuses others.
-pub const TOKENS: [(&str, &str); 6] = [
-    ("basis", "sh"),
-    ("convention", CONVENTION),
-    ("quantity", QUANTITY),
-    ("colour", "linear-rec709"),
-    ("precision", "f32"),
-    ("frame", "scene"),
-];
+/// The tokens that say how coefficients are to be understood. One value each as yet, but for the precision; a reader refuses others.
+pub fn tokens(precision: Precision) -> [(&'static str, &'static str); 6] {
+    [
+        ("basis", "sh"),
+        ("convention", CONVENTION),
+        ("quantity", QUANTITY),
+        ("colour", "linear-rec709"),
+        ("precision", precision.token()),
+        ("frame", "scene"),
+    ]
+}
+
 /// Real, orthonormal, no Condon–Shortley phase, index l(l+1)+m.
 pub const CONVENTION: &str = "real-no-cs";
 /// Transferred irradiance divided by π, without the receiver's own albedo.
@@ -105,6 +108,7 @@ pub struct Meaning {
     pub samples: u32,
     pub seed: u64,
     pub made: Provenance,
+    pub precision: Precision,
     /// Linear albedo of everything, in place of base colours, textures and vertex colours.
     pub albedo: Option<[f32; 3]>,
     /// SHA-256 of the source in hex; empty when unknown.
@@ -123,6 +127,7 @@ impl Meaning {
             samples: transfer.samples,
             seed: transfer.seed,
             made: transfer.made.clone(),
+            precision: transfer.precision,
             albedo,
             source_hash: source_hash.to_owned(),
             beside: None,
@@ -159,7 +164,7 @@ pub fn to_json(meaning: &Meaning, primitives: &[Primitive]) -> Value {
     };
     let mut json = serde_json::Map::new();
     json.insert("version".to_owned(), VERSION.into());
-    for (key, token) in TOKENS {
+    for (key, token) in tokens(meaning.precision) {
         json.insert(key.to_owned(), token.into());
     }
     let mut header = serde_json::json!(header);
@@ -199,22 +204,33 @@ pub fn from_json(json: &Value) -> Result<(Meaning, Vec<Primitive>), HeaderError>
         Some(newer) if newer > VERSION => return Err(HeaderError::Newer(newer)),
         _ => return Err(wrong("has no version that is known".to_owned())),
     }
-    for (key, token) in TOKENS {
-        let found = json.get(key).unwrap_or(&Value::Null);
-        if found != token {
-            let found = shown(found);
-            return Err(wrong(format!("has {key} {found}, not \"{token}\"")));
-        }
-    }
+    let precision = precision(json).map_err(wrong)?;
     let header = Header::deserialize(json).map_err(|e| wrong(format!("has {}", shown(&e))))?;
     let primitives = json.get("primitives").unwrap_or(&Value::Null);
     let primitives = Vec::deserialize(primitives);
     let primitives = primitives.map_err(|e| wrong(format!("has primitives with {}", shown(&e))))?;
-    Ok((header.meaning().map_err(wrong)?, primitives))
+    Ok((header.meaning(precision).map_err(wrong)?, primitives))
+}
+
+/// The precision, once every token is known.
+fn precision(json: &Value) -> Result<Precision, String> {
+    let all = Precision::ALL;
+    let named = all.into_iter().find(|p| json["precision"] == p.token());
+    for (key, token) in tokens(named.unwrap_or_default()) {
+        let found = json.get(key).unwrap_or(&Value::Null);
+        if found != token {
+            let known = match key {
+                "precision" => all.map(Precision::token).join("\" or \""),
+                _ => token.to_owned(),
+            };
+            return Err(format!("has {key} {}, not \"{known}\"", shown(found)));
+        }
+    }
+    Ok(named.unwrap_or_default())
 }
 
 impl Header {
-    fn meaning(&self) -> Result<Meaning, String> {
+    fn meaning(&self, precision: Precision) -> Result<Meaning, String> {
         let order = Order::new(self.order).map_err(|e| format!("has an impossible order: {e}"))?;
         if !matches!(self.channels, 1 | 3) {
             return Err(format!("has {} channels, not 1 or 3", self.channels));
@@ -256,6 +272,7 @@ impl Header {
                 tracer: self.tracer.as_deref().map(crate::files::printable),
                 bake: Some(bake.to_owned()).filter(|hash| !hash.is_empty()),
             },
+            precision,
             albedo: self.albedo,
             source_hash: hash.to_owned(),
             beside: self.bin.clone(),

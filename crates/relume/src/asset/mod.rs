@@ -10,6 +10,7 @@ mod fresh;
 mod gather;
 mod header;
 mod merge;
+mod precision;
 mod read;
 #[cfg(test)]
 mod samples;
@@ -23,6 +24,7 @@ pub use describe::{Description, describe};
 pub use error::AssetError;
 pub use export::{export_radiance, export_transfer};
 pub use gather::Gather;
+pub use precision::{PastHalf, Precision};
 pub use read::{from_glb, read};
 pub(crate) use strip::strip_beside;
 pub use transfer::{BackTransfer, Provenance, Transfer, TransferKind};

@@ -203,6 +203,7 @@ impl<'a> Gathered<'a> {
                 samples: meaning.samples,
                 seed: meaning.seed,
                 made: meaning.made.clone(),
+                precision: meaning.precision,
                 coefficients: Rows::default(),
                 valid: Vec::new(),
                 back: None,
@@ -233,12 +234,12 @@ impl<'a> Gathered<'a> {
         if entry.input_vertices.is_none_or(|inputs| inputs > vertices) {
             return Err(fail("has a wrong inputVertices".to_owned()));
         }
-        let stride = self.transfer.stride();
+        let (stride, precision) = (self.transfer.stride(), self.transfer.precision);
         let first = self.transfer.vertex_count();
         let view = entry.transfer.unwrap_or(usize::MAX);
         let views = &mut self.views;
         views
-            .floats(view, vertices, stride, &mut self.coefficients)
+            .floats(view, (vertices, stride), precision, &mut self.coefficients)
             .map_err(fail)?;
         match entry.valid {
             Some(view) => views
@@ -256,8 +257,8 @@ impl<'a> Gathered<'a> {
             views
                 .floats(
                     back.transfer,
-                    back.count,
-                    stride,
+                    (back.count, stride),
+                    precision,
                     &mut self.back_coefficients,
                 )
                 .map_err(fail)?;

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
 
-use super::{Asset, BackTransfer, Provenance, Transfer, TransferKind};
+use super::{Asset, BackTransfer, Precision, Provenance, Transfer, TransferKind};
 use crate::basis::Order;
 use crate::scene::{AlphaMode, Group, Instance, Material, Mesh, Sampler, Scene, Texture, Wrap};
 
@@ -32,6 +32,7 @@ pub fn transfer(vertices: usize, order: usize, channels: usize, back: Option<usi
         samples: 1024,
         seed: u64::MAX - 5,
         made: Provenance::default(),
+        precision: Precision::F32,
         coefficients: numbers(1, vertices * stride).into(),
         valid: (0..vertices).map(|i| i % 7 != 6).collect(),
         back: backs.map(|vertices| BackTransfer {

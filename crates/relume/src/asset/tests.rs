@@ -321,6 +321,7 @@ mod beside;
 mod damage;
 mod docs;
 mod document;
+mod halves;
 #[cfg(feature = "import")]
 mod real;
 mod refused;

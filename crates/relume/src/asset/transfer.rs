@@ -1,6 +1,6 @@
 //! Diffuse transfer vectors.
 
-use super::Gather;
+use super::{Gather, Precision};
 use crate::basis::Order;
 use crate::files::Rows;
 
@@ -33,6 +33,8 @@ pub struct Transfer {
     pub seed: u64,
     /// How else it was made.
     pub made: Provenance,
+    /// How files store the coefficients of both sides, which are rounded to it.
+    pub precision: Precision,
     /// `[vertices][channels][order²]`: a slice, in memory or in a mapped file.
     pub coefficients: Rows,
     /// False where the vertex is buried and its vector was filled from its neighbours.

@@ -6,8 +6,9 @@ use std::ops::Range;
 use crc32fast::Hasher;
 use serde_json::Value;
 
-use super::AssetError;
 use super::beside::Source;
+use super::precision::from_le_half;
+use super::{AssetError, Precision};
 
 /// The largest coefficient that is believed: no bake comes near it, and times the largest light it still fits f32.
 const MAX_COEFFICIENT: f32 = 1e8;
@@ -37,7 +38,7 @@ impl Bytes<'_> {
 }
 
 /// The buffer views of a file. Each may be taken once, and none may overlap another that was taken: no file makes its reader
-/// allocate more than its own length.
+/// allocate more than its own length, or twice that where it holds half floats.
 pub struct Views<'a> {
     views: &'a [Value],
     bytes: Bytes<'a>,
@@ -56,20 +57,26 @@ impl<'a> Views<'a> {
         }
     }
 
-    /// Appends `count` vectors of `stride` f32 of at most [`MAX_COEFFICIENT`].
+    /// Appends `count` vectors of `stride` numbers of at most [`MAX_COEFFICIENT`].
     pub fn floats(
         &mut self,
         view: usize,
-        count: usize,
-        stride: usize,
+        (count, stride): (usize, usize),
+        precision: Precision,
         into: &mut Vec<f32>,
     ) -> Result<(), String> {
         let start = into.len();
-        let range = self.range(view, count, 4 * stride)?;
+        let range = self.range(view, count, precision.bytes() * stride)?;
         into.reserve(count * stride);
-        self.read(range, |bytes| {
-            let values = bytes.as_chunks::<4>().0.iter().copied();
-            into.extend(values.map(f32::from_le_bytes));
+        self.read(range, |bytes| match precision {
+            Precision::F32 => {
+                let values = bytes.as_chunks::<4>().0.iter().copied();
+                into.extend(values.map(f32::from_le_bytes));
+            }
+            Precision::F16 => {
+                let values = bytes.as_chunks::<2>().0.iter().copied();
+                into.extend(values.map(from_le_half));
+            }
         })?;
         let wrong = |c: &f32| c.is_nan() || c.abs() > MAX_COEFFICIENT;
         match into[start..].iter().position(wrong) {
@@ -156,7 +163,8 @@ impl<'a> Views<'a> {
         if Some(length) != (count as u64).checked_mul(size as u64) {
             return wrong(&format!("has {length} bytes, not {count} times {size}"));
         }
-        if size.is_multiple_of(4) && !offset.is_multiple_of(4) {
+        // Flags may begin anywhere; vectors of half floats begin where floats would.
+        if size > 1 && !offset.is_multiple_of(4) {
             return wrong("does not begin at a multiple of 4 bytes");
         }
         let end = offset.checked_add(length);

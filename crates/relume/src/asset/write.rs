@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::builder::{Builder, array, malformed, object};
 use super::container::{self, Container, Part};
 use super::header::{self, Back, Beside, Meaning, Primitive};
-use super::{Asset, AssetError, Transfer, beside, fresh, tessellated};
+use super::{Asset, AssetError, Precision, Transfer, beside, fresh, tessellated};
 use crate::basis::Order;
 use crate::files::{Rows, write_atomically, write_both_atomically};
 use crate::scene::{Instance, Scene};
@@ -88,18 +88,23 @@ pub fn to_glb(asset: &Asset) -> Result<Vec<u8>, AssetError> {
     Ok(bytes)
 }
 
-/// An upper bound, close, of the size in bytes of the `.glb` that a bake of `scene` will become, together with the `.bin` beside it if there
-/// will be one ([`check_place`]).
+/// An upper bound, close, of the size in bytes of the `.glb` that a bake of `scene` will become with coefficients of `precision`, together with
+/// the `.bin` beside it if there will be one ([`check_place`]).
 ///
 /// Fails for every reason in the scene that would make [`write()`] fail, so that nobody bakes for an hour what cannot be written.
-pub fn predicted_size(scene: &Scene, order: Order, channels: usize) -> Result<u64, AssetError> {
+pub fn predicted_size(
+    scene: &Scene,
+    order: Order,
+    channels: usize,
+    precision: Precision,
+) -> Result<u64, AssetError> {
     // Room for what the extension says of a node, and of a primitive with its views.
     const NODE: u64 = 640;
     const PRIMITIVE: u64 = 640;
     // And of a file beside it with a name of 255 bytes.
     const BESIDE: u64 = 1024;
     check_scene(scene)?;
-    let vector = (4 * channels * order.count()) as u64;
+    let vector = (precision.bytes() * channels * order.count()) as u64;
     let alone = scene_alone(scene)?.finish().map_err(|error| match error {
         AssetError::TooLarge(bytes) => AssetError::SceneTooLarge(bytes),
         other => other,
@@ -244,11 +249,12 @@ fn entry<'a>(
     vertices: std::ops::Range<usize>,
 ) -> Result<Primitive, AssetError> {
     let stride = transfer.stride();
+    let part = |floats| Part::coefficients(floats, transfer.precision);
     let floats = &transfer.coefficients[vertices.start * stride..vertices.end * stride];
     let valid = &transfer.valid[vertices.clone()];
     let mut entry = Primitive {
         count: Some(vertices.len()),
-        transfer: Some(builder.transfer_view(Part::Floats(floats))?),
+        transfer: Some(builder.transfer_view(part(floats))?),
         ..Primitive::default()
     };
     if !valid.iter().all(|&valid| valid) {
@@ -269,7 +275,7 @@ fn entry<'a>(
         entry.back = Some(Back {
             count: to - from,
             vertices: builder.transfer_view(Part::Bytes(local.into()))?,
-            transfer: builder.transfer_view(Part::Floats(floats))?,
+            transfer: builder.transfer_view(part(floats))?,
         });
     }
     Ok(entry)
@@ -330,9 +336,24 @@ fn check(asset: &Asset) -> Result<(), AssetError> {
             .check(vertices + back.vertices.len())
             .map_err(AssetError::Mismatch)?;
     }
-    let mut all = transfer.coefficients.iter().chain(&*back.coefficients);
-    match all.position(|c| !c.is_finite()) {
-        Some(i) => wrong(format!("coefficient {i} is not finite")),
-        None => Ok(()),
+    let all = transfer.coefficients.iter().chain(&*back.coefficients);
+    all.enumerate()
+        .try_for_each(|(i, &value)| check_number(i, value, transfer.precision))
+}
+
+/// Whether coefficient `i` is a number, and one that a file of this precision gives back as it is.
+fn check_number(i: usize, value: f32, precision: Precision) -> Result<(), AssetError> {
+    if !value.is_finite() {
+        let what = format!("coefficient {i} is not finite");
+        return Err(AssetError::Mismatch(what));
     }
+    let mut stored = [value];
+    precision.round(&mut stored)?;
+    // Bits, because the two zeros are equal.
+    if stored[0].to_bits() != value.to_bits() {
+        return Err(AssetError::Unwritable(format!(
+            "coefficient {i} of the transfer is {value}, which is no half float; round it with Transfer::to_precision"
+        )));
+    }
+    Ok(())
 }

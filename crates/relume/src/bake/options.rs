@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 use thiserror::Error;
 
 use super::Engine;
+use crate::asset::{PastHalf, Precision};
 use crate::basis::Order;
 use crate::scene::World;
 
@@ -28,6 +29,8 @@ pub struct BakeOptions {
     pub threads: Option<usize>,
     /// Whether the result has the gather operator, too.
     pub gather: bool,
+    /// How files will store the result, which is rounded to it at the very end: neither rays nor bounces depend on it.
+    pub precision: Precision,
     /// What casts the rays.
     pub engine: Engine,
     /// Receivers of a tile: the unit of work and of checkpoints. The result does not depend on it.
@@ -49,6 +52,7 @@ impl Default for BakeOptions {
             seed: 0,
             threads: None,
             gather: false,
+            precision: Precision::F32,
             engine: Engine::default(),
             tile: 256,
             operator_bytes: 2 << 30,
@@ -80,7 +84,7 @@ pub struct Monitor<'a> {
 /// Bytes a bake will take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Need {
-    /// Of transfer in the finished asset.
+    /// Of transfer in the finished asset, in its precision.
     pub result: u64,
     /// Of memory at its fullest at most, the scene not counted, in a bake without a checkpoint.
     pub memory: u64,
@@ -103,6 +107,9 @@ pub enum BakeError {
     /// No receivers in a tile.
     #[error("tiles have at least one receiver")]
     Tile,
+    /// The result does not fit the precision asked for.
+    #[error(transparent)]
+    PastHalf(#[from] PastHalf),
     /// Embree was asked for, and cannot be used.
     #[cfg(all(feature = "embree", any(unix, windows)))]
     #[error(transparent)]
@@ -175,6 +182,7 @@ impl BakeOptions {
     pub fn need(&self, world: &World) -> Need {
         let receivers = super::receiver::Receivers::new(world).len() as u64;
         let row = receivers * 4 * self.order.count() as u64;
+        // At work, the result is f32 like everything else.
         let result = row * self.channels() as u64;
         // Direct light; with bounces their sum, the last one and the next one; and the result.
         let terms = if self.bounces == 0 { row } else { 10 * row };
@@ -186,7 +194,7 @@ impl BakeOptions {
             _ => self.operator_bytes.min(most),
         };
         Need {
-            result,
+            result: result / 4 * self.precision.bytes() as u64,
             memory: terms + result + operator,
             checkpoint: row * u64::from(1 + 3 * self.bounces) + result,
         }

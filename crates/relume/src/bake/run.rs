@@ -230,6 +230,7 @@ fn finish(
             tracer: (!options.engine.is_reproducible()).then(|| options.engine.to_string()),
             bake: None,
         },
+        precision: options.precision,
         coefficients,
         valid,
         back,
@@ -237,7 +238,7 @@ fn finish(
     })
 }
 
-/// The rows of these receivers.
+/// The rows of these receivers, rounded to the precision asked for.
 fn summed(
     name: &str,
     options: &BakeOptions,
@@ -266,7 +267,8 @@ fn summed(
                     .for_each(|(sum, direct)| *sum += direct);
             }
         }
-        Ok(())
+        // Here, and not when all is there: then the rows may be mapped from a file, and changing them takes memory.
+        Ok(options.precision.round(rows)?)
     };
     pass.fill(|_| true, || (), work, |_| Ok(()))
 }

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::trace::test_worlds::{mesh_of, world_of};
 use super::*;
-use crate::asset::{Transfer, TransferKind};
+use crate::asset::{Precision, Transfer, TransferKind};
 use crate::basis::{Order, Zonal};
 use crate::scene::{Group, Material, World, bundled};
 
@@ -298,6 +298,12 @@ fn the_need_is_what_the_result_takes() {
         let need = options(8, bounces).need(&world);
         let transfer = bake_with(&world, &options(8, bounces));
         assert_eq!(need.result, 4 * transfer.coefficients.len() as u64);
+        let halves = BakeOptions {
+            precision: Precision::F16,
+            ..options(8, bounces)
+        };
+        let half = halves.need(&world);
+        assert_eq!((half.result, half.memory), (need.result / 2, need.memory));
     }
 }
 

@@ -9,7 +9,7 @@ use glam::{DAffine3, Vec3};
 use super::checkpoint::{Checkpoint, Fingerprint};
 use super::trace::test_worlds::mesh_of;
 use super::*;
-use crate::asset::Transfer;
+use crate::asset::{Precision, Transfer};
 use crate::files::le_bytes;
 use crate::scene::{Instance, Material, World, bundled};
 
@@ -132,6 +132,41 @@ fn neither_tiles_nor_room_nor_a_checkpoint_change_a_bit() {
         }
     }
     assert!(had_room_for_some, "20 kB hold all or nothing");
+}
+
+#[test]
+fn half_floats_are_the_plain_result_rounded() {
+    let world = world();
+    for plain in [
+        options(7, u64::MAX),
+        BakeOptions {
+            shadows: false,
+            bounces: 0,
+            ..options(7, 0)
+        },
+    ] {
+        let run = |options: &BakeOptions, checkpoint: Option<&Checkpoint>| {
+            let monitor = Monitor {
+                progress: &|_| (),
+                cancelled: &AtomicBool::new(false),
+            };
+            let baked = match checkpoint {
+                Some(checkpoint) => bake_with_checkpoint(&world, options, &monitor, checkpoint),
+                None => bake(&world, options, &monitor),
+            };
+            baked.unwrap().transfer
+        };
+        let expected = run(&plain, None).to_precision(Precision::F16).unwrap();
+        let halves = BakeOptions {
+            precision: Precision::F16,
+            ..plain
+        };
+        assert_eq!(run(&halves, None), expected);
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path().join("partial");
+        let checkpoint = Checkpoint::open(&folder, &print(&world, 7), false).unwrap();
+        assert_eq!(run(&halves, Some(&checkpoint)), expected);
+    }
 }
 
 #[test]

@@ -278,6 +278,7 @@ mod comparing {
             samples: 0,
             seed: 0,
             made: crate::asset::Provenance::default(),
+            precision: crate::asset::Precision::F32,
             coefficients: world.normals.iter().flat_map(of_vertex).collect(),
             valid: vec![true; world.positions.len()],
             back: None,

@@ -3,7 +3,7 @@ use std::process::Command;
 
 use npyz::NpyFile;
 
-use super::super::samples;
+use super::super::{Precision, samples};
 use super::*;
 
 fn entry(bytes: &[u8], name: &str) -> Vec<u8> {
@@ -91,7 +91,7 @@ fn every_array_holds_what_the_format_says() {
 fn the_header_stands_in_arrays_without_dimension() {
     let (asset, _, bytes) = exported();
     let text = |name: &str| array::<String>(&bytes, name);
-    for (key, token) in header::TOKENS {
+    for (key, token) in header::tokens(Precision::F32) {
         assert_eq!(text(key), (vec![], vec![token.to_owned()]));
     }
     assert_eq!(text("kind").1, ["shadowed"]);
@@ -100,6 +100,20 @@ fn the_header_stands_in_arrays_without_dimension() {
     assert_eq!(array::<i64>(&bytes, "bounces").1, [2]);
     assert_eq!(array::<i64>(&bytes, "samples").1, [1024]);
     assert_eq!(array::<u64>(&bytes, "seed").1, [u64::MAX - 5]);
+}
+
+#[test]
+fn half_floats_are_exported_as_floats_that_say_so() {
+    let mut asset = samples::asset();
+    asset.transfer = asset.transfer.to_precision(Precision::F16).unwrap();
+    let world = World::new(&asset.scene);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("transfer.npz");
+    export_transfer(&asset, &world, &path).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    assert_eq!(array::<String>(&bytes, "precision").1, ["f16"]);
+    let back = asset.transfer.back.unwrap();
+    assert_eq!(array::<f32>(&bytes, "back_transfer").1, *back.coefficients);
 }
 
 #[test]

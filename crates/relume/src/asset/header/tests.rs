@@ -12,6 +12,7 @@ fn meaning() -> Meaning {
             tracer: Some("embree".to_owned()),
             bake: Some("5e".repeat(32)),
         },
+        precision: Precision::F32,
         albedo: None,
         source_hash: String::new(),
         beside: None,
@@ -43,6 +44,7 @@ fn a_header_comes_back_as_it_went() {
     for seed in [0, 1 << 53, (1 << 53) + 1, u64::MAX] {
         let written = Meaning {
             seed,
+            precision: Precision::ALL[(seed % 2) as usize],
             albedo: Some([0.5, 0.25, 0.1]),
             source_hash: hash.clone(),
             beside: (seed > 0).then(|| Beside {
@@ -64,7 +66,7 @@ fn unknown_tokens_are_refused_by_name() {
         ("convention", "real-cs"),
         ("quantity", "radiance"),
         ("colour", "srgb"),
-        ("precision", "f16"),
+        ("precision", "f64"),
         ("frame", "object"),
         ("kind", "glossy\u{1b}"),
         ("seed", "-1"),

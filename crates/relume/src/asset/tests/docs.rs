@@ -19,14 +19,18 @@ fn the_reader_in_the_documentation_reads_an_asset() {
     let (_, block) = section.split_once("```python\n").unwrap();
     let (code, _) = block.split_once("```").unwrap();
 
-    let asset = samples::asset();
+    let mut asset = samples::asset();
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("out.glb");
     // With the transfer in the file, and beside it.
-    for limit in [u64::MAX, 1] {
+    for limit in [u64::MAX, 1, u64::MAX, 1] {
         write::write_within(&asset, &file, limit).unwrap();
         assert_eq!(file.with_extension("bin").exists(), limit == 1);
         check(&asset, &runs(code, &file.to_string_lossy()).unwrap());
+        if limit == 1 {
+            // Then the same of half floats.
+            asset = halves::halved(asset);
+        }
     }
 }
 

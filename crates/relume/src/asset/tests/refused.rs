@@ -9,14 +9,18 @@ type Case<'a, T> = (&'a dyn Fn(&mut T), &'a str);
 
 #[test]
 fn the_predicted_size_is_an_upper_bound_and_close() {
-    for asset in [samples::asset(), imported()] {
+    let halves = [samples::asset(), imported()].map(halves::halved);
+    for asset in [samples::asset(), imported()].into_iter().chain(halves) {
         let Transfer {
-            order, channels, ..
+            order,
+            channels,
+            precision,
+            ..
         } = asset.transfer;
-        let predicted = predicted_size(&asset.scene, order, channels).unwrap();
+        let predicted = predicted_size(&asset.scene, order, channels, precision).unwrap();
         let actual = glb(&asset).len() as u64;
         assert!(predicted >= actual, "{predicted} for {actual}");
-        let (vector, json) = (4 * asset.transfer.stride() as u64, 1500);
+        let (vector, json) = (describe(&asset).bytes_per_vertex as u64, 1500);
         let slack = asset.scene.vertex_count() as u64 * (vector + 5);
         assert!(predicted <= actual + slack + json * asset.scene.instances.len() as u64);
     }
@@ -24,7 +28,7 @@ fn the_predicted_size_is_an_upper_bound_and_close() {
     scene.instances = vec![scene.instances[0].clone(); 11_000];
     let order = Order::new(32).unwrap();
     // 110,000 vertices of 12 KiB each for three channels would fit; four times that goes beside the file.
-    let size = predicted_size(&scene, order, 3 * 4).unwrap();
+    let size = predicted_size(&scene, order, 3 * 4, Precision::F32).unwrap();
     assert!(size > 110_000 * 4 * 12 * 1024, "{size}");
 }
 
@@ -34,7 +38,9 @@ fn what_a_glb_cannot_say_is_refused_before_the_bake() {
     let refused = |change: &dyn Fn(&mut Scene)| {
         let mut scene = samples::scene();
         change(&mut scene);
-        predicted_size(&scene, order, 1).unwrap_err().to_string()
+        predicted_size(&scene, order, 1, Precision::F16)
+            .unwrap_err()
+            .to_string()
     };
     let sheared = glam::DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 1.0]);
     let sheared = glam::DAffine3::from_mat3(sheared);

@@ -2,7 +2,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use proptest::prelude::*;
 
 use super::*;
-use crate::asset::{BackTransfer, Provenance, TransferKind};
+use crate::asset::{BackTransfer, Precision, Provenance, TransferKind};
 use crate::basis::sh;
 use crate::scene::{Group, Instance, Material, Mesh, Scene};
 
@@ -27,6 +27,7 @@ fn unshadowed(order: Order, normals: &[DVec3]) -> Transfer {
         samples: 0,
         seed: 0,
         made: Provenance::default(),
+        precision: Precision::F32,
         coefficients: normals.iter().flat_map(vector).collect(),
         valid: vec![true; normals.len()],
         back: None,
