@@ -105,6 +105,9 @@ pub struct BakeArgs {
     /// Threads to work with [default: one per core]; the result does not depend on it
     #[arg(long, value_name = "N", value_parser = parse::threads)]
     pub threads: Option<usize>,
+    /// How the asset stores transfer: f16 takes half the room, for an error of 0.02 % (1024 rays leave about 1 %)
+    #[arg(long, value_enum, default_value_t = PrecisionArg::F32)]
+    pub precision: PrecisionArg,
     /// Keep the gather operator in the asset: how light bounces on from vertex to vertex, whatever lit them
     #[arg(long)]
     pub gather: bool,
@@ -123,6 +126,14 @@ pub struct BakeArgs {
 pub enum TransferArg {
     /// One vector per vertex
     Diffuse,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PrecisionArg {
+    /// Four bytes a coefficient
+    F32,
+    /// Two bytes: rounded once, by 0.05 % at most, when all is baked; what reads it works in f32
+    F16,
 }
 
 /// A light and what to do to it

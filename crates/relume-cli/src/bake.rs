@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use relume::asset::{self, Asset};
+use relume::asset::{self, Asset, Precision};
 use relume::bake::checkpoint::{Checkpoint, CheckpointError, Fingerprint};
 use relume::bake::{self, BakeOptions, Baked, Monitor, Report};
 use relume::files;
 use relume::scene::{self, ImportOptions, Scene, World};
 
-use crate::args::{BakeArgs, MaxEdge, Samples};
+use crate::args::{BakeArgs, MaxEdge, PrecisionArg, Samples};
 use crate::failure::Failure;
 use crate::inputs::{check_extension, check_output, shown, warn};
 use crate::progress::{self, bytes, grouped};
@@ -136,6 +136,10 @@ fn options(args: &BakeArgs) -> BakeOptions {
         seed: args.seed,
         threads: args.threads,
         gather: args.gather,
+        precision: match args.precision {
+            PrecisionArg::F32 => Precision::F32,
+            PrecisionArg::F16 => Precision::F16,
+        },
         engine: args.tracer.clone(),
         ..BakeOptions::default()
     }
@@ -152,7 +156,7 @@ fn fingerprint(
         true => "auto".to_owned(),
         false => options.engine.to_string(),
     };
-    let named = [
+    let mut named = vec![
         ("--order", options.order.to_string()),
         ("--samples", options.samples.to_string()),
         ("--error", options.error.unwrap_or(0.0).to_string()),
@@ -170,6 +174,10 @@ fn fingerprint(
         // Two sources may give one world: the asset carries the rest of them along.
         ("source", scene.source_hash.clone()),
     ];
+    // Named only where it is not the usual one, so that f32 bakes are still what they were before there were others.
+    if options.precision != Precision::F32 {
+        named.push(("--precision", options.precision.token().to_owned()));
+    }
     Fingerprint::new(world, &named)
 }
 

@@ -55,6 +55,7 @@ fn about_asset(asset: &Asset) -> Value {
         "order": about.order.get(),
         "coefficients": about.order.count(),
         "channels": about.channels,
+        "precision": about.precision.token(),
         "samples": about.samples,
         "seed": about.seed,
         "vertices": about.vertices,

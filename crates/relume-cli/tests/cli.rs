@@ -54,6 +54,41 @@ fn info_tells_assets_scenes_and_lights_apart() {
 }
 
 #[test]
+fn half_floats_take_half_the_room_and_info_says_so() {
+    let bench = Bench::new();
+    bench.bake("floats.glb", "--bounces 1 --precision f32");
+    bench.bake("plain.glb", "--bounces 1");
+    bench.bake("halves.glb", "--bounces 1 --precision f16");
+    let size = |name: &str| fs::metadata(bench.path(name)).unwrap().len();
+    assert!(
+        fs::read(bench.path("floats.glb")).unwrap() == fs::read(bench.path("plain.glb")).unwrap()
+    );
+    let about = |name: &str| -> serde_json::Value {
+        serde_json::from_str(&bench.succeed(&format!("info {name} --json")).0).unwrap()
+    };
+    let [floats, halves] = ["floats.glb", "halves.glb"].map(about);
+    assert_eq!(
+        (&floats["precision"], &halves["precision"]),
+        (&"f32".into(), &"f16".into())
+    );
+    let [large, small] = [&floats, &halves].map(|about| about["transfer_bytes"].as_u64().unwrap());
+    assert_eq!(large, 2 * small);
+    // Besides, headers name a hash, and arrays begin at multiples of four.
+    assert!((size("floats.glb") - size("halves.glb")).abs_diff(small) < 64);
+    let (said, _) = bench.succeed("info halves.glb");
+    assert!(said.contains("f16: rounded to half floats"), "{said}");
+    let [exact, rounded] = ["floats.glb", "halves.glb"]
+        .map(|name| relume::asset::read(&bench.path(name)).unwrap().transfer);
+    let squares =
+        |values: &mut dyn Iterator<Item = f32>| values.map(|x| f64::from(x).powi(2)).sum::<f64>();
+    let pairs = exact.coefficients.iter().zip(&*rounded.coefficients);
+    let error = squares(&mut pairs.map(|(exact, rounded)| exact - rounded));
+    let error = (error / squares(&mut exact.coefficients.iter().copied())).sqrt();
+    // No number is further from its half float than 2⁻¹¹ of it.
+    assert!(error > 0.0 && error < 2.0_f64.powi(-11), "{error}");
+}
+
+#[test]
 fn threads_do_not_change_the_asset() {
     let bench = Bench::new();
     bench.bake("one.glb", "--bounces 2 --threads 1");

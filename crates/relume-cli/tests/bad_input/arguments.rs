@@ -4,7 +4,7 @@ use super::case::{Case, Outcome};
 use super::obj::GOOD;
 
 /// Each flag with what it refuses.
-const FLAGS: [(&str, &[&str]); 9] = [
+const FLAGS: [(&str, &[&str]); 10] = [
     (
         "bake a.obj -o out.glb --samples",
         &["0", "-1", "4294967296", "1e3", "many"],
@@ -29,6 +29,10 @@ const FLAGS: [(&str, &[&str]); 9] = [
     (
         "bake a.obj -o out.glb --seed",
         &["-1", "1.5", "18446744073709551616"],
+    ),
+    (
+        "bake a.obj -o out.glb --precision",
+        &["f8", "f64", "16", "half"],
     ),
     (
         "light sky:40,3 -o out.json --rotate",

@@ -29,12 +29,17 @@ fn offset(json: &mut Value) -> usize {
 pub fn cases(made: &Made) -> Vec<Case> {
     let mut cases = headers(made);
     cases.extend(views(made));
+    cases.extend(halves(made));
     cases.extend(files(made));
     cases
 }
 
 fn changed(made: &Made, change: impl FnOnce(&mut Value, &mut Vec<u8>)) -> Vec<u8> {
-    let (mut json, mut bin) = parts(&made.asset);
+    changed_of(&made.asset, change)
+}
+
+fn changed_of(asset: &[u8], change: impl FnOnce(&mut Value, &mut Vec<u8>)) -> Vec<u8> {
+    let (mut json, mut bin) = parts(asset);
     change(&mut json, &mut bin);
     glb(&json, &bin)
 }
@@ -252,6 +257,62 @@ fn views(made: &Made) -> Vec<Case> {
         ),
         refused("views that overlap", overlapping, "overlaps"),
         refused("a flag of 2", flags, "neither 0 nor 1"),
+    ]
+}
+
+fn halves(made: &Made) -> Vec<Case> {
+    let view = |key: &'static str, value: Value| {
+        changed_of(&made.half, move |json, _| {
+            let view = primitive(json)["transfer"].as_u64().unwrap() as usize;
+            json["bufferViews"][view][key] = value;
+        })
+    };
+    let coefficient = |bits: u16| {
+        changed_of(&made.half, move |json, bin| {
+            let at = offset(json);
+            bin[at + 6..at + 8].copy_from_slice(&bits.to_le_bytes());
+        })
+    };
+    let called = |asset: &[u8], precision: &str| {
+        changed_of(asset, |json, _| {
+            extension(json)["precision"] = precision.into();
+        })
+    };
+    let at = offset(&mut parts(&made.half).0);
+    let good = Case::new("a good asset of half floats", SHADE, Outcome::Tolerated(""));
+    vec![
+        refused(
+            "floats called half floats",
+            called(&made.asset, "f16"),
+            "bytes, not",
+        ),
+        refused(
+            "half floats called floats",
+            called(&made.half, "f32"),
+            "bytes, not",
+        ),
+        refused(
+            "half a half float",
+            view("byteLength", json!(7)),
+            "has 7 bytes, not",
+        ),
+        refused(
+            "half floats between two floats",
+            view("byteOffset", json!(at - 2)),
+            "multiple of 4",
+        ),
+        refused(
+            "half floats past the end",
+            view("byteOffset", json!(1_u64 << 40)),
+            "past the",
+        ),
+        refused("a half float of NaN", coefficient(0x7e00), "not finite"),
+        refused(
+            "a half float of infinity",
+            coefficient(0xfc00),
+            "not finite",
+        ),
+        good.with("a.glb", made.half.clone()),
     ]
 }
 

@@ -28,6 +28,8 @@ pub struct Bench {
 /// Files the program made itself, to be damaged.
 pub struct Made {
     pub asset: Vec<u8>,
+    /// The same in half floats.
+    pub half: Vec<u8>,
     pub exr: Vec<u8>,
     pub png: Vec<u8>,
 }
@@ -51,6 +53,7 @@ impl Bench {
         fs::write(folder.join("a.obj"), super::obj::GOOD).unwrap();
         for line in [
             "bake a.obj -o a.glb --samples 16",
+            "bake a.obj -o half.glb --samples 16 --precision f16",
             "render a.glb --light constant:1,1,1 -o a.exr --size 16x8 --samples-per-pixel 1",
             "render a.glb --light constant:1,1,1 -o a.png --size 16x8 --samples-per-pixel 1",
         ] {
@@ -60,6 +63,7 @@ impl Bench {
         let read = |name: &str| fs::read(folder.join(name)).unwrap();
         Made {
             asset: read("a.glb"),
+            half: read("half.glb"),
             exr: read("a.exr"),
             png: read("a.png"),
         }

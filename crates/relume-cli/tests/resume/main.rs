@@ -203,6 +203,28 @@ fn what_is_finished_is_resumed_at_once_and_its_checkpoint_goes() {
 }
 
 #[test]
+fn half_floats_are_resumed_to_the_same_bytes_and_are_another_bake_than_floats() {
+    let bench = Bench::new();
+    let line = format!("{LINE} --precision f16");
+    bench.succeed(&line);
+    let expected = output(&bench);
+    fs::remove_file(bench.path("out.glb")).unwrap();
+    assert!(killed(&bench, &line, || recorded(&bench, "bounce-1") > 2));
+    let before = there(&bench);
+    let (_, said) = bench.succeed(&format!("{line} --resume"));
+    assert_eq!(counted(&said).unwrap().0, before, "{said}");
+    assert!(output(&bench) == expected);
+    let (_, said) = bench.succeed(&format!("{line} --resume"));
+    assert!(said.contains("out.glb is this bake, finished"), "{said}");
+    let (_, said) = bench.succeed(&format!("{LINE} --resume"));
+    assert!(said.contains("no interrupted bake is there"), "{said}");
+    assert!(output(&bench).len() > expected.len());
+    let (_, said) = bench.succeed(&format!("{line} --resume"));
+    assert!(said.contains("no interrupted bake is there"), "{said}");
+    assert!(output(&bench) == expected);
+}
+
+#[test]
 fn without_resume_a_bake_starts_afresh_and_says_so() {
     let bench = Bench::new();
     let (expected, _) = undisturbed(&bench);

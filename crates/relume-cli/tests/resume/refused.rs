@@ -8,6 +8,30 @@ use super::disturb::{Random, copy, counted, killed, partial, recorded, there};
 use super::disturb::{caught, ended, signal};
 use super::{LINE, finish, undisturbed};
 
+/// What is changed in [`LINE`] with `--resume`, to what, and what is said of it.
+const CHANGES: [(&str, &str, &str); 8] = [
+    (
+        "--samples 128",
+        "--samples 129",
+        "--samples was 128, is 129",
+    ),
+    ("--bounces 2", "--bounces 3", "--bounces was 2, is 3"),
+    ("--resume", "--resume --order 4", "--order was 5, is 4"),
+    ("--resume", "--resume --seed 1", "--seed was 0, is 1"),
+    (
+        "--resume",
+        "--resume --precision f16",
+        "--precision was not given, is f16",
+    ),
+    ("--resume", "--resume --error 0.1", "--error was 0, is 0.1"),
+    ("--resume", "--resume --albedo 1,1,1", "--albedo was none"),
+    (
+        "--max-edge 0.08",
+        "--max-edge 0.09",
+        "the scene has changed",
+    ),
+];
+
 #[test]
 fn what_has_changed_is_named_and_the_checkpoint_stays() {
     let bench = Bench::new();
@@ -32,23 +56,7 @@ fn what_has_changed_is_named_and_the_checkpoint_stays() {
             "{said}"
         );
     };
-    for (old, new, part) in [
-        (
-            "--samples 128",
-            "--samples 129",
-            "--samples was 128, is 129",
-        ),
-        ("--bounces 2", "--bounces 3", "--bounces was 2, is 3"),
-        ("--resume", "--resume --order 4", "--order was 5, is 4"),
-        ("--resume", "--resume --seed 1", "--seed was 0, is 1"),
-        ("--resume", "--resume --error 0.1", "--error was 0, is 0.1"),
-        ("--resume", "--resume --albedo 1,1,1", "--albedo was none"),
-        (
-            "--max-edge 0.08",
-            "--max-edge 0.09",
-            "the scene has changed",
-        ),
-    ] {
+    for (old, new, part) in CHANGES {
         refused(&resume.replace(old, new), part);
     }
     let scene = fs::read_to_string(bench.path("scene.obj")).unwrap();
