@@ -1,5 +1,6 @@
 //! Light on the device.
 
+use relume::asset::Precision;
 use relume::light::{IncidentLight, ObjectLight, ShLight, VertexLight};
 use wgpu::{BindGroup, BindingResource, RenderPipeline, TextureFormat, TextureUsages};
 
@@ -139,6 +140,7 @@ fn by_vertex(
         pages: &transfer.pages,
         channels: 3,
         quads: transfer.quads,
+        precision: Precision::F32,
     };
     let count = transfer.order.count();
     let groups = transfer.pages.pages().map(|rows| {

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use half::f16;
+use relume::asset::Precision;
 use wgpu::{Texture, TextureFormat, TextureUsages};
 
 use crate::gpu::Gpu;
@@ -13,6 +15,8 @@ pub struct Layout<'a> {
     pub channels: usize,
     /// Four coefficients each.
     pub quads: usize,
+    /// Halves where the numbers are halves.
+    pub precision: Precision,
 }
 
 impl Layout<'_> {
@@ -26,7 +30,10 @@ impl Layout<'_> {
     ) -> Texture {
         let texels = self.channels * self.quads;
         let size = (self.pages.width, rows.len() as u32 * texels as u32);
-        let format = TextureFormat::Rgba32Float;
+        let format = match self.precision {
+            Precision::F32 => TextureFormat::Rgba32Float,
+            Precision::F16 => TextureFormat::Rgba16Float,
+        };
         let page = gpu.texture(label, size, format, TextureUsages::empty());
         let width = self.pages.width as usize;
         let mut block = vec![[0.0_f32; 4]; width * texels];
@@ -42,7 +49,14 @@ impl Layout<'_> {
                 }
             }
             let top = (row - rows.start) * texels as u32;
-            gpu.write_rows(&page, top, bytemuck::cast_slice(&block));
+            match self.precision {
+                Precision::F32 => gpu.write_rows(&page, top, bytemuck::cast_slice(&block)),
+                Precision::F16 => {
+                    let bits = |value: &f32| f16::from_f32(*value).to_bits();
+                    let halves: Vec<u16> = block.as_flattened().iter().map(bits).collect();
+                    gpu.write_rows(&page, top, bytemuck::cast_slice(&halves));
+                }
+            }
         }
         // What is written waits in memory until something is submitted.
         gpu.queue.submit([]);

@@ -46,6 +46,7 @@ impl GpuTransfer {
             pages: &pages,
             channels: transfer.channels,
             quads,
+            precision: transfer.precision,
         };
         let part = |rows| {
             let page = layout.page(gpu, "transfer", &rows, |side, channel| {

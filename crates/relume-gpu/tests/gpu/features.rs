@@ -151,7 +151,14 @@ fn texels_may_be_sharp(gpu: &Gpu) {
         nearest: true,
         ..Sampler::default()
     });
-    check(gpu, "nearest texel", &world, (4, 1), &camera(&world), DECODED);
+    check(
+        gpu,
+        "nearest texel",
+        &world,
+        (4, 1),
+        &camera(&world),
+        DECODED,
+    );
 }
 
 fn masks_have_holes(gpu: &Gpu) {

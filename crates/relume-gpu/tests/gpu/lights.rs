@@ -1,6 +1,6 @@
 //! Every kind of incident light, through the public API.
 
-use relume::asset::Transfer;
+use relume::asset::{Precision, Transfer};
 use relume::display::VertexRadiance;
 use relume::light::{IncidentLight, ObjectLight, VertexLight};
 use relume::scene::World;
@@ -15,6 +15,7 @@ on_each_back_end! {
     light_by_object_is_that_of_the_cpu
     orders_are_cut_and_padded
     pages_meet_without_a_seam
+    halves_are_those_of_the_file
     lights_and_transfers_can_be_swapped
 }
 
@@ -137,6 +138,22 @@ fn pages_meet_without_a_seam(gpu: &Gpu) {
         &world,
         &transfer,
         &by_vertex(&world, 3),
+    );
+}
+
+/// A transfer of halves is one whose numbers are halves, so the picture is as exact as ever.
+fn halves_are_those_of_the_file(gpu: &Gpu) {
+    let world = double_sided();
+    let halves = transfer(&world, 5, 3, true)
+        .to_precision(Precision::F16)
+        .unwrap();
+    check(gpu, "halves", &world, &halves, &distant(5));
+    check(
+        gpu,
+        "halves by vertex",
+        &world,
+        &halves,
+        &by_vertex(&world, 5),
     );
 }
 

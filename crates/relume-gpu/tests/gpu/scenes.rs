@@ -1,7 +1,7 @@
 //! Scenes and transfers to draw.
 
 use glam::Vec3;
-use relume::asset::{BackTransfer, Provenance, Transfer, TransferKind};
+use relume::asset::{BackTransfer, Precision, Provenance, Transfer, TransferKind};
 use relume::basis::Order;
 use relume::display::Camera;
 use relume::light::{IncidentLight, ShLight};
@@ -54,6 +54,7 @@ pub fn transfer(world: &World, order: usize, channels: usize, backs: bool) -> Tr
         samples: 1,
         seed: 0,
         made: Provenance::default(),
+        precision: Precision::F32,
         coefficients: (0..count).flat_map(|i| vector(i, 1.0)).collect(),
         valid: vec![true; count],
         back,
