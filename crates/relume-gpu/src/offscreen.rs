@@ -53,7 +53,7 @@ impl Offscreen {
     }
 
     /// The picture, to be shown or read.
-    pub fn whole(&self) -> &TextureView {
+    pub fn view(&self) -> &TextureView {
         &self.resolved
     }
 

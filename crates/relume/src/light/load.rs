@@ -52,24 +52,35 @@ pub fn load(
 
 fn load_file(path: &Path, layout: LayoutChoice) -> Result<(Environment, Vec<String>), LightError> {
     let name = path.display().to_string();
-    let bytes = read_file(path, &name)?;
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+    from_bytes(&read_file(path, &name)?, &name, layout)
+}
+
+/// [`load`] of a file that is in memory; `name` is what errors and warnings call it.
+///
+/// # Errors
+/// As for [`load`].
+pub fn from_bytes(
+    bytes: &[u8],
+    name: &str,
+    layout: LayoutChoice,
+) -> Result<(Environment, Vec<String>), LightError> {
+    let path = name.to_owned();
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if text.iter().find(|c| !c.is_ascii_whitespace()) == Some(&b'{') {
-        let file =
-            LightFile::from_json(text).map_err(|error| LightError::Json { path: name, error })?;
+        let file = LightFile::from_json(text).map_err(|error| LightError::Json { path, error })?;
         return Ok((Environment::Sh(file.light), Vec::new()));
     }
-    let decoded = decode(&bytes).map_err(|error| LightError::Image {
-        path: name.clone(),
-        error,
-    })?;
-    let warnings = said_of(&name, decoded.warnings);
+    let decoded = match decode(bytes) {
+        Ok(decoded) => decoded,
+        Err(error) => return Err(LightError::Image { path, error }),
+    };
+    let warnings = said_of(name, decoded.warnings);
     let layout = match decoded.layout {
         None => Ok(layout),
         Some(known) => layout.agree(known).map(LayoutChoice::Fixed),
     };
     let map = layout.and_then(|layout| EnvMap::new(decoded.image, layout));
-    let map = map.map_err(|error| LightError::Layout { path: name, error })?;
+    let map = map.map_err(|error| LightError::Layout { path, error })?;
     Ok((Environment::Map(map), warnings))
 }
 

@@ -45,7 +45,7 @@ pub use incident::{IncidentLight, ObjectLight, ShLight, VertexLight};
 pub use json::{LightFile, LightJsonError};
 pub use layout::{Layout, LayoutChoice, LayoutError};
 pub use limits::{MAX_FILE_BYTES, MAX_RADIANCE};
-pub use load::{LightOptions, load};
+pub use load::{LightOptions, from_bytes, load};
 pub use map::EnvMap;
 pub use sky::{SKY_UNIT, Sky};
 pub use spec::EnvSpec;

@@ -1,0 +1,350 @@
+//! The application: what is open, how it is looked at, and one frame after another.
+
+use eframe::egui;
+use relume::bake::BakeOptions;
+use relume::display::Camera;
+use relume::light::Environment;
+use relume_gpu::{Look, Surface};
+use web_time::Instant;
+
+#[cfg(not(target_arch = "wasm32"))]
+use crate::baking::{Baking, Choices};
+use crate::content::{Content, Paths};
+use crate::frames::{Frame, Frames};
+use crate::jobs::{Event, Jobs};
+use crate::lighting::Lighting;
+use crate::messages::Messages;
+use crate::navigation::Navigation;
+use crate::panels;
+use crate::source::Source;
+use crate::stage::Stage;
+
+/// How the viewer starts.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// What to open, besides what is dropped later.
+    pub files: Vec<Source>,
+    /// A light as on the command line.
+    pub light: Option<String>,
+    /// The light's first turn about the vertical, degrees.
+    pub turn: f64,
+    /// In stops; `None` for the exposure that suits the scene.
+    pub exposure: Option<f32>,
+    /// Whether the environment stands behind the scene.
+    pub background: bool,
+    /// Whether the panels are shown.
+    pub panels: bool,
+    /// Writes the first picture to this file and ends.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub screenshot: Option<std::path::PathBuf>,
+}
+
+impl Default for Start {
+    fn default() -> Self {
+        Self {
+            files: Vec::new(),
+            light: None,
+            turn: 0.0,
+            exposure: None,
+            background: true,
+            panels: true,
+            #[cfg(not(target_arch = "wasm32"))]
+            screenshot: None,
+        }
+    }
+}
+
+/// The light until one is chosen.
+pub const FIRST_LIGHT: &str = "sky:30,3";
+
+/// The whole application.
+pub struct Viewer {
+    pub(crate) stage: Stage,
+    pub(crate) content: Option<Content>,
+    pub(crate) lighting: Option<Lighting>,
+    pub(crate) navigation: Navigation,
+    pub(crate) look: Look,
+    pub(crate) paths: Paths,
+    pub(crate) jobs: Jobs,
+    pub(crate) messages: Messages,
+    pub(crate) frames: Frames,
+    pub(crate) open: panels::Open,
+    /// A model that waits to be baked.
+    pub(crate) unbaked: Option<Source>,
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) baking: Option<Baking>,
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) choices: Choices,
+    start: Start,
+    /// Whether the light has to be computed and uploaded again.
+    pub(crate) light_changed: bool,
+}
+
+impl Viewer {
+    /// Opens what `start` names.
+    ///
+    /// # Errors
+    /// No graphics device.
+    pub fn new(context: &eframe::CreationContext, start: Start) -> Result<Self, String> {
+        let gpu = context.wgpu_render_state.clone();
+        let stage = Stage::new(gpu.ok_or("there is no graphics device")?);
+        let jobs = Jobs::new(&context.egui_ctx);
+        panels::style(&context.egui_ctx);
+        let light = start
+            .light
+            .clone()
+            .unwrap_or_else(|| FIRST_LIGHT.to_owned());
+        open_light(&jobs, light);
+        start.files.iter().for_each(|file| jobs.open(file.clone()));
+        Ok(Self {
+            stage,
+            content: None,
+            lighting: None,
+            navigation: Navigation::new(Camera::framing(&Default::default(), 1.0)),
+            look: Look {
+                exposure: start.exposure.unwrap_or(0.0),
+                background: start.background,
+                ..Look::default()
+            },
+            paths: Paths::default(),
+            jobs,
+            messages: Messages::default(),
+            frames: Frames::default(),
+            open: panels::Open::new(start.panels),
+            unbaked: None,
+            #[cfg(not(target_arch = "wasm32"))]
+            baking: None,
+            #[cfg(not(target_arch = "wasm32"))]
+            choices: Choices::default(),
+            start,
+            light_changed: false,
+        })
+    }
+
+    /// What came from elsewhere since the last frame.
+    fn listen(&mut self) {
+        for event in self.jobs.events() {
+            match event {
+                Event::Scene(content) => self.take_scene(*content),
+                Event::Light {
+                    name,
+                    environment,
+                    warnings,
+                } => {
+                    warnings.into_iter().for_each(|w| self.messages.note(w));
+                    self.take_light(name, *environment);
+                }
+                Event::NotBaked(source) => self.take_model(source),
+                Event::Shadowed(of, transfer) => {
+                    self.end_bake();
+                    if let Some(content) = self.content.as_mut().filter(|c| c.name == of) {
+                        content.shadowed = Some(*transfer);
+                        self.show_paths(Paths::Shadowed);
+                    }
+                }
+                Event::NoBake => self.end_bake(),
+                Event::Said(what) => self.messages.note(what),
+                Event::Failed(what) => self.messages.error(what),
+            }
+        }
+        let complaints = self.stage.complaints();
+        complaints.into_iter().for_each(|c| self.messages.error(c));
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn end_bake(&mut self) {
+        self.baking = None;
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    fn end_bake(&mut self) {}
+
+    fn take_scene(&mut self, mut content: Content) {
+        self.end_bake();
+        self.paths = Paths::Baked;
+        if let Err(error) = self.stage.upload(&mut content, self.paths) {
+            self.messages.error(format!("{}: {error}", content.name));
+            return;
+        }
+        self.navigation = Navigation::new(Camera::framing(&content.world, self.look.aspect));
+        if let Some(lighting) = &mut self.lighting {
+            lighting.fit(content.asset.transfer.order);
+        }
+        self.content = Some(content);
+        self.unbaked = None;
+        self.light_changed = true;
+        self.suit_exposure();
+    }
+
+    fn take_light(&mut self, name: String, environment: Environment) {
+        self.stage.set_background(&environment);
+        let order = self.content.as_ref().map(|c| c.asset.transfer.order);
+        match &mut self.lighting {
+            Some(lighting) => lighting.replace(name, environment),
+            None => {
+                let mut lighting = Lighting::new(
+                    name,
+                    environment,
+                    order.unwrap_or(BakeOptions::default().order),
+                );
+                lighting.rotate(glam::DVec3::Y, self.start.turn.to_radians());
+                self.lighting = Some(lighting);
+            }
+        }
+        self.light_changed = true;
+        self.suit_exposure();
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn take_model(&mut self, source: Source) {
+        if let Source::Path(path) = &source {
+            self.bake(crate::baking::Subject::Model(path.clone()));
+        }
+        self.unbaked = Some(source);
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    fn take_model(&mut self, source: Source) {
+        self.messages.error(format!(
+            "{}: holds no transfer; bake it first: relume bake {0} -o baked.glb --bounces 2",
+            relume::files::printable(&source.name())
+        ));
+    }
+
+    /// Starts a bake in the place of one that is under way.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn bake(&mut self, subject: crate::baking::Subject) {
+        if let Some(baking) = &self.baking {
+            baking.cancel();
+        }
+        self.baking = Some(Baking::start(&self.jobs, subject, self.choices));
+    }
+
+    /// Shows other light paths, where their transfer is there.
+    pub(crate) fn show_paths(&mut self, paths: Paths) {
+        let Some(content) = &mut self.content else {
+            return;
+        };
+        match self.stage.show(content, paths) {
+            Ok(()) => self.paths = paths,
+            Err(error) => self.messages.error(error.to_string()),
+        }
+        self.light_changed = true;
+    }
+
+    /// The exposure that shows the scene in middle grey, unless one was asked for.
+    fn suit_exposure(&mut self) {
+        if self.start.exposure.is_none() {
+            self.auto_exposure();
+        }
+    }
+
+    /// The exposure that brings the mean of the vertices to middle grey.
+    pub(crate) fn auto_exposure(&mut self) {
+        if let (Some(content), Some(lighting)) = (&self.content, &self.lighting) {
+            self.look.exposure = crate::exposure::suitable(content, &lighting.incident().0);
+        }
+    }
+
+    /// Uploads the light if it has changed.
+    fn relight(&mut self) {
+        let (Some(_), Some(lighting)) = (&self.content, &self.lighting) else {
+            return;
+        };
+        if !std::mem::take(&mut self.light_changed) {
+            return;
+        }
+        let (light, problem) = lighting.incident();
+        self.messages.standing("window", problem);
+        self.look.world_from_light = lighting.turn();
+        self.look.surface = match (lighting.coefficient, self.look.surface) {
+            (Some(_), _) => Surface::Signed,
+            (None, Surface::Signed) => Surface::Shaded,
+            (None, other) => other,
+        };
+        match self.stage.set_light(light) {
+            Ok(()) => self.frames.relights += 1,
+            Err(error) => self.messages.error(error.to_string()),
+        }
+    }
+
+    /// The picture in the middle, and what is done to it with pointer and keys.
+    fn picture(&mut self, ui: &mut egui::Ui, begun: Instant) {
+        let rect = ui.available_rect_before_wrap();
+        let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
+        panels::pointer::handle(self, ui, &response);
+        self.relight();
+        let scale = ui.ctx().pixels_per_point();
+        let pixels = |points: f32| (points * scale).round().max(1.0) as u32;
+        let size = (pixels(rect.width()), pixels(rect.height()));
+        self.look.aspect = size.0 as f32 / size.1 as f32;
+        match self.stage.draw(size, &self.navigation.camera, &self.look) {
+            Ok(texture) => {
+                let whole = egui::Rect::from_min_max(egui::Pos2::ZERO, egui::pos2(1.0, 1.0));
+                ui.painter()
+                    .image(texture, rect, whole, egui::Color32::WHITE);
+            }
+            Err(error) => self.messages.standing("draw", Some(error.to_string())),
+        }
+        let gpu = self.stage.times();
+        self.frames.push(Frame {
+            cpu: begun.elapsed().as_secs_f32(),
+            gpu,
+        });
+        if self.content.is_none() {
+            panels::welcome::show(self, ui, rect);
+        }
+    }
+
+    /// Writes the first picture of a scene in light and ends, where that was asked for.
+    #[cfg(not(target_arch = "wasm32"))]
+    fn first_screenshot(&mut self, context: &egui::Context) {
+        // The first frames find their size.
+        let ready = self.content.is_some() && self.lighting.is_some() && self.frames.relights > 0;
+        if self.start.screenshot.is_none() {
+            return;
+        }
+        context.request_repaint();
+        if let Some(error) = self.messages.first_error() {
+            eprintln!("error: {error}");
+            std::process::exit(1);
+        }
+        if ready
+            && self.frames.drawn > 5
+            && let Some(path) = self.start.screenshot.take()
+        {
+            let context = context.clone();
+            self.stage.copy(move |size, pixels| {
+                let written = crate::screenshot::write(&path, size, &pixels);
+                if let Err(error) = written {
+                    eprintln!("error: {error}");
+                    std::process::exit(1);
+                }
+                context.send_viewport_cmd(egui::ViewportCommand::Close);
+                context.request_repaint();
+            });
+        }
+    }
+}
+
+/// A light by its name on the command line: a file, or one that is made.
+fn open_light(jobs: &Jobs, spec: String) {
+    jobs.run(move |teller| teller.make_light(&spec));
+}
+
+impl eframe::App for Viewer {
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let begun = Instant::now();
+        self.listen();
+        panels::drop::handle(self, ui.ctx());
+        panels::show(self, ui);
+        egui::CentralPanel::default()
+            .frame(egui::Frame::NONE)
+            .show(ui, |ui| self.picture(ui, begun));
+        panels::messages::show(self, ui.ctx());
+        #[cfg(not(target_arch = "wasm32"))]
+        self.first_screenshot(ui.ctx());
+        #[cfg(target_arch = "wasm32")]
+        crate::web::publish(self);
+    }
+}

@@ -1,0 +1,129 @@
+//! What is looked at: a baked scene, and its other transfers for comparison.
+
+use std::sync::Arc;
+
+use relume::asset::{self, Asset, AssetError, Transfer, TransferKind};
+use relume::bake::{BakeOptions, Monitor, bake};
+use relume::files::printable;
+use relume::scene::World;
+
+use crate::source::{MAX_BYTES, Source};
+
+/// A baked scene, ready to be drawn.
+pub struct Content {
+    /// What people call it.
+    pub name: String,
+    /// As it was read or baked.
+    pub asset: Asset,
+    /// The same, flattened.
+    pub world: Arc<World>,
+    /// The transfer without shadows, once it was asked for.
+    unshadowed: Option<Transfer>,
+    /// The transfer of direct light, once it was baked.
+    pub shadowed: Option<Transfer>,
+}
+
+/// Which light paths are shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Paths {
+    /// No shadows.
+    Unshadowed,
+    /// Direct light with shadows.
+    Shadowed,
+    /// All that was baked.
+    #[default]
+    Baked,
+}
+
+impl Content {
+    /// A scene with its transfer.
+    pub fn new(name: String, asset: Asset) -> Self {
+        Self {
+            name,
+            world: Arc::new(World::new(&asset.scene)),
+            asset,
+            unshadowed: None,
+            shadowed: None,
+        }
+    }
+
+    /// Reads a baked `.glb`; `Ok(None)` where it holds no transfer.
+    pub fn read(source: &Source) -> Result<Option<Self>, String> {
+        let asset = match source {
+            Source::Path(path) => asset::read(path),
+            Source::Bytes { bytes, .. } if bytes.len() > MAX_BYTES => {
+                return Err(source.too_large());
+            }
+            Source::Bytes { bytes, .. } => asset::from_glb(bytes),
+        };
+        match asset {
+            Ok(asset) => Ok(Some(Self::new(source.name(), asset))),
+            Err(error) if lacks_transfer(&error) => Ok(None),
+            Err(error) => Err(match source {
+                Source::Path(_) => error.to_string(),
+                Source::Bytes { .. } => format!("{}: {error}", printable(&source.name())),
+            }),
+        }
+    }
+
+    /// How many interreflections were baked; `None` where not even shadows were.
+    pub fn bounces(&self) -> Option<u32> {
+        match self.asset.transfer.kind {
+            TransferKind::Unshadowed => None,
+            TransferKind::Shadowed { bounces } => Some(bounces),
+        }
+    }
+
+    /// The transfer of these paths, where it is there.
+    pub fn transfer(&mut self, paths: Paths) -> Option<&Transfer> {
+        match paths {
+            Paths::Baked => Some(&self.asset.transfer),
+            Paths::Shadowed if self.bounces() == Some(0) => Some(&self.asset.transfer),
+            Paths::Shadowed => self.shadowed.as_ref(),
+            Paths::Unshadowed => {
+                if self.unshadowed.is_none() {
+                    self.unshadowed = self.without_shadows();
+                }
+                self.unshadowed.as_ref()
+            }
+        }
+    }
+
+    /// Options of a bake of direct light like that of the asset.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn direct_options(&self) -> BakeOptions {
+        let transfer = &self.asset.transfer;
+        BakeOptions {
+            order: transfer.order,
+            samples: transfer.samples.max(1),
+            seed: transfer.seed,
+            bounces: 0,
+            ..BakeOptions::default()
+        }
+    }
+
+    /// The closed form casts no ray, so it takes no time worth a progress bar.
+    fn without_shadows(&self) -> Option<Transfer> {
+        let options = BakeOptions {
+            order: self.asset.transfer.order,
+            shadows: false,
+            bounces: 0,
+            ..BakeOptions::default()
+        };
+        let monitor = Monitor {
+            progress: &|_| (),
+            cancelled: &false.into(),
+        };
+        bake(&self.world, &options, &monitor)
+            .ok()
+            .map(|baked| baked.transfer)
+    }
+}
+
+fn lacks_transfer(error: &AssetError) -> bool {
+    match error {
+        AssetError::NoTransfer => true,
+        AssetError::File { problem, .. } => lacks_transfer(problem),
+        _ => false,
+    }
+}
