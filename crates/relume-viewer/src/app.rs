@@ -69,8 +69,9 @@ pub struct Viewer {
     pub(crate) messages: Messages,
     pub(crate) frames: Frames,
     pub(crate) open: panels::Open,
-    /// A model that waits to be baked.
-    pub(crate) unbaked: Option<Source>,
+    /// The model that was baked last, or was to be.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) unbaked: Option<std::path::PathBuf>,
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) baking: Option<Baking>,
     #[cfg(not(target_arch = "wasm32"))]
@@ -111,6 +112,7 @@ impl Viewer {
             messages: Messages::default(),
             frames: Frames::default(),
             open: panels::Open::new(start.panels),
+            #[cfg(not(target_arch = "wasm32"))]
             unbaked: None,
             #[cfg(not(target_arch = "wasm32"))]
             baking: None,
@@ -134,15 +136,12 @@ impl Viewer {
                     warnings.into_iter().for_each(|w| self.messages.note(w));
                     self.take_light(name, *environment);
                 }
-                Event::NotBaked(source) => self.take_model(source),
-                Event::Shadowed(of, transfer) => {
-                    self.end_bake();
-                    if let Some(content) = self.content.as_mut().filter(|c| c.name == of) {
-                        content.shadowed = Some(*transfer);
-                        self.show_paths(Paths::Shadowed);
-                    }
-                }
-                Event::NoBake => self.end_bake(),
+                Event::NotBaked(source) => self.take_model(&source),
+                #[cfg(not(target_arch = "wasm32"))]
+                Event::Shadowed(of, transfer) => self.take_shadowed(&of, *transfer),
+                #[cfg(not(target_arch = "wasm32"))]
+                Event::NoBake => self.baking = None,
+                #[cfg(not(target_arch = "wasm32"))]
                 Event::Said(what) => self.messages.note(what),
                 Event::Failed(what) => self.messages.error(what),
             }
@@ -152,15 +151,19 @@ impl Viewer {
     }
 
     #[cfg(not(target_arch = "wasm32"))]
-    fn end_bake(&mut self) {
+    fn take_shadowed(&mut self, of: &str, transfer: relume::asset::Transfer) {
         self.baking = None;
+        if let Some(content) = self.content.as_mut().filter(|c| c.name == of) {
+            content.shadowed = Some(transfer);
+            self.show_paths(Paths::Shadowed);
+        }
     }
 
-    #[cfg(target_arch = "wasm32")]
-    fn end_bake(&mut self) {}
-
     fn take_scene(&mut self, mut content: Content) {
-        self.end_bake();
+        #[cfg(not(target_arch = "wasm32"))]
+        {
+            self.baking = None;
+        }
         self.paths = Paths::Baked;
         if let Err(error) = self.stage.upload(&mut content, self.paths) {
             self.messages.error(format!("{}: {error}", content.name));
@@ -171,7 +174,6 @@ impl Viewer {
             lighting.fit(content.asset.transfer.order);
         }
         self.content = Some(content);
-        self.unbaked = None;
         self.light_changed = true;
         self.suit_exposure();
     }
@@ -196,15 +198,15 @@ impl Viewer {
     }
 
     #[cfg(not(target_arch = "wasm32"))]
-    fn take_model(&mut self, source: Source) {
-        if let Source::Path(path) = &source {
+    fn take_model(&mut self, source: &Source) {
+        if let Source::Path(path) = source {
             self.bake(crate::baking::Subject::Model(path.clone()));
+            self.unbaked = Some(path.clone());
         }
-        self.unbaked = Some(source);
     }
 
     #[cfg(target_arch = "wasm32")]
-    fn take_model(&mut self, source: Source) {
+    fn take_model(&mut self, source: &Source) {
         self.messages.error(format!(
             "{}: holds no transfer; bake it first: relume bake {0} -o baked.glb --bounces 2",
             relume::files::printable(&source.name())

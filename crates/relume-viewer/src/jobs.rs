@@ -3,6 +3,7 @@
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use eframe::egui;
+#[cfg(not(target_arch = "wasm32"))]
 use relume::asset::Transfer;
 use relume::light::{self, Environment, LayoutChoice, LightOptions};
 
@@ -25,10 +26,13 @@ pub enum Event {
     /// A model without transfer.
     NotBaked(Source),
     /// Direct light of the scene of this name.
+    #[cfg(not(target_arch = "wasm32"))]
     Shadowed(String, Box<Transfer>),
     /// A bake has ended without a result.
+    #[cfg(not(target_arch = "wasm32"))]
     NoBake,
     /// Something a person should know.
+    #[cfg(not(target_arch = "wasm32"))]
     Said(String),
     /// Something went wrong.
     Failed(String),

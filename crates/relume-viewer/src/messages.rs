@@ -54,6 +54,10 @@ impl Messages {
     }
 
     /// The oldest error.
+    #[cfg_attr(
+        target_arch = "wasm32",
+        allow(dead_code, reason = "a page does not end")
+    )]
     pub fn first_error(&self) -> Option<&str> {
         let mut errors = self.shown.iter().filter(|m| m.weight == Weight::Error);
         errors.next().map(|message| message.text.as_str())

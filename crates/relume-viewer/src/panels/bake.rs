@@ -4,7 +4,6 @@ use eframe::egui;
 
 use crate::app::Viewer;
 use crate::baking::Subject;
-use crate::source::Source;
 
 /// Order, rays and bounces of the next bake; progress and cancel of the one under way.
 pub fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
@@ -23,10 +22,7 @@ pub fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
             ui.add(egui::Slider::new(&mut choices.bounces, 0..=6));
             ui.end_row();
         });
-    let again = match &viewer.unbaked {
-        Some(Source::Path(path)) => Some(path.clone()),
-        _ => None,
-    };
+    let again = viewer.unbaked.clone();
     if let Some(baking) = &viewer.baking {
         let bar = match baking.done() {
             Some(done) => egui::ProgressBar::new(done).show_percentage(),
@@ -41,7 +37,7 @@ pub fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
         ui.ctx()
             .request_repaint_after(std::time::Duration::from_millis(100));
     } else if let Some(path) = again {
-        if ui.button("Bake").clicked() {
+        if ui.button("Bake again").clicked() {
             viewer.bake(Subject::Model(path));
         }
     } else {

@@ -12,7 +12,7 @@ pub fn handle(viewer: &mut Viewer, context: &egui::Context) {
         #[cfg(not(target_arch = "wasm32"))]
         viewer.jobs.open(Source::Path(file.path().to_owned()));
         #[cfg(target_arch = "wasm32")]
-        crate::web::read_dropped(viewer.jobs.teller(), file);
+        crate::web::read_dropped(viewer.jobs.teller(), &file);
     }
     if context.input(|input| !input.raw.hovered_files.is_empty()) {
         let layer = egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop"));

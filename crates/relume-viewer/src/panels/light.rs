@@ -81,7 +81,7 @@ fn choose(viewer: &mut Viewer, ui: &mut egui::Ui) {
 /// Turns about the vertical; whether there was one.
 fn turn(lighting: &mut Lighting, ui: &mut egui::Ui) -> bool {
     let mut turned = false;
-    for (text, degrees) in [("⟲", 15.0_f64), ("⟳", -15.0)] {
+    for (text, degrees) in [("−15°", -15.0_f64), ("+15°", 15.0)] {
         let button = ui.button(text);
         if button
             .on_hover_text("about the vertical; or drag with Shift")

@@ -49,7 +49,7 @@ pub fn style(context: &egui::Context) {
     context.all_styles_mut(|style| {
         style.spacing.item_spacing = egui::vec2(8.0, 6.0);
         style.spacing.interact_size.y = 24.0;
-        style.spacing.slider_width = 150.0;
+        style.spacing.slider_width = 110.0;
         for font in style.text_styles.values_mut() {
             font.size *= 1.08;
         }
