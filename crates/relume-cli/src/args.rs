@@ -25,6 +25,7 @@ Examples:
   relume bake model.glb -o baked.glb --bounces 2       bake a model: soft shadows and colour bleeding
   relume render baked.glb --light sky.hdr -o look.png  relight it with an environment map
   relume render baked.glb --light sky:30,3 -o f_%04d.png --frames 48 --sweep light
+  relume view baked.glb                                look around in it, turn the light
   relume compare baked.glb --light sky:30,3            how far is it from path tracing?
   relume export baked.glb -o transfer.npz              the transfer vectors, for numpy";
 
@@ -35,6 +36,7 @@ pub enum Command {
     Light(LightFileArgs),
     Shade(ShadeArgs),
     Render(RenderArgs),
+    View(ViewArgs),
     Compare(CompareArgs),
     Export(ExportArgs),
     Info(InfoArgs),
@@ -315,6 +317,27 @@ pub struct InfoArgs {
     /// Print it as JSON (docs/json.md)
     #[arg(long)]
     pub json: bool,
+}
+
+/// Open a window on a baked asset: turn the light, swap it, fly around
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  relume view baked.glb
+  relume view baked.glb --light studio.hdr
+  relume view model.obj                            a model is baked first, in the background
+  relume view baked.glb -- --size 1920x1080        what follows -- is for the viewer; relume-viewer --help lists it
+
+The window is a program of its own, relume-viewer: cargo build --release -p relume-viewer")]
+pub struct ViewArgs {
+    /// Baked assets, models or lights; none opens an empty window
+    pub files: Vec<PathBuf>,
+    /// The light, as for `render`
+    #[arg(long, value_name = "ENV")]
+    pub light: Option<std::ffi::OsString>,
+    /// For the viewer
+    #[arg(last = true, hide = true)]
+    pub rest: Vec<std::ffi::OsString>,
 }
 
 /// Completions for a shell, on stdout

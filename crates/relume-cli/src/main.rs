@@ -19,6 +19,7 @@ mod progress;
 mod render;
 mod shade;
 mod view;
+mod window;
 
 use std::process::ExitCode;
 
@@ -43,6 +44,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Light(args) => light::run(&args),
         Command::Shade(args) => shade::run(&args),
         Command::Render(args) => render::run(&args),
+        Command::View(args) => window::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Info(args) => info::run(&args),

@@ -222,6 +222,7 @@ fn every_help_page_shows_examples() {
         "light",
         "shade",
         "render",
+        "view",
         "compare",
         "export",
         "info",

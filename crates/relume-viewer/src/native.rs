@@ -83,7 +83,9 @@ pub fn run() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             let why = error.to_string();
+            // What is before the last colon names types and source files.
             let why = why.lines().next().unwrap_or_default();
+            let why = why.rsplit(": ").next().unwrap_or(why).trim_end_matches('.');
             eprintln!(
                 "error: no window could be opened ({why}); check that a display and a driver for Vulkan, Metal, DirectX 12 or OpenGL are there"
             );

@@ -1,0 +1,193 @@
+//! A real window on a virtual display: starts, shows what it was given, takes its picture.
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
+
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+
+use relume::asset::{self, Asset};
+use relume::bake::trace::Tracer;
+use relume::bake::{BakeOptions, Monitor, bake};
+use relume::display::{self, Camera, RaycastOptions, ToneMap, VertexRadiance};
+use relume::light::{self, IncidentLight};
+use relume::scene::{World, bundled};
+
+/// Pixels of the window.
+const SIZE: (u32, u32) = (480, 270);
+
+/// A virtual display, as long as it lives.
+struct Display {
+    server: Child,
+    name: String,
+}
+
+impl Display {
+    /// Starts one with a number of its own choice; `None` after the line that counts the test as skipped.
+    fn open(test: &str) -> Option<Self> {
+        let server = Command::new("Xvfb")
+            .args([
+                "-displayfd",
+                "1",
+                "-screen",
+                "0",
+                "800x600x24",
+                "-nolisten",
+                "tcp",
+            ])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn();
+        let Ok(mut server) = server else {
+            println!("skipped: {test}: needs Xvfb (Debian: xvfb)");
+            return None;
+        };
+        let mut number = String::new();
+        let out = server.stdout.take().unwrap();
+        BufReader::new(out).read_line(&mut number).unwrap();
+        Some(Self {
+            server,
+            name: format!(":{}", number.trim()),
+        })
+    }
+
+    /// Runs the viewer on it until it ends.
+    fn view(&self, folder: &Path, line: &str) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_relume-viewer"))
+            .args(line.split_whitespace())
+            .current_dir(folder)
+            .env("DISPLAY", &self.name)
+            .env_remove("WAYLAND_DISPLAY")
+            .output()
+            .unwrap()
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+/// A ball over a floor, baked.
+fn baked() -> Asset {
+    let scene = bundled::plane_under_sphere(0.5, 0.7, 2.0, 48, 0.6);
+    let options = BakeOptions {
+        samples: 64,
+        bounces: 1,
+        ..BakeOptions::default()
+    };
+    let monitor = Monitor {
+        progress: &|_| (),
+        cancelled: &false.into(),
+    };
+    let transfer = bake(&World::new(&scene), &options, &monitor)
+        .unwrap()
+        .transfer;
+    Asset { scene, transfer }
+}
+
+/// What the CPU sees of it, in codes.
+fn expected(asset: &Asset, exposure: f32) -> Vec<[u8; 3]> {
+    let world = World::new(&asset.scene);
+    let sky = light::load(&"sky:30,3".parse().unwrap(), &Default::default())
+        .unwrap()
+        .0;
+    let incident = IncidentLight::Distant(sky.project(asset.transfer.order));
+    let radiance = VertexRadiance::new(&asset.transfer, &incident);
+    let options = RaycastOptions {
+        width: SIZE.0,
+        height: SIZE.1,
+        ..RaycastOptions::default()
+    };
+    let camera = Camera::framing(&world, SIZE.0 as f32 / SIZE.1 as f32);
+    let behind = |direction| sky.radiance(direction);
+    let tracer = Tracer::new(&world);
+    let picture = display::render(&world, &tracer, &radiance, &behind, &camera, &options).unwrap();
+    let tone = ToneMap { exposure };
+    picture.pixels.iter().map(|&p| tone.encode(p)).collect()
+}
+
+#[test]
+fn a_window_shows_the_asset_as_the_cpu_sees_it() {
+    let test = "a_window_shows_the_asset_as_the_cpu_sees_it";
+    let Some(display) = Display::open(test) else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let asset = baked();
+    asset::write(&asset, &folder.path().join("ball.glb")).unwrap();
+    let line =
+        "ball.glb --light sky:30,3 --exposure -1 --no-panels --size 480x270 --screenshot look.png";
+    let output = display.view(folder.path(), line);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    if said.contains("no window could be opened") {
+        println!("skipped: {test}: needs a graphics adapter (Debian: mesa-vulkan-drivers): {said}");
+        return;
+    }
+    assert!(output.status.success(), "{said}");
+    let picture = image::open(folder.path().join("look.png"))
+        .unwrap()
+        .to_rgb8();
+    assert_eq!(picture.dimensions(), SIZE);
+    let expected = expected(&asset, -1.0);
+    let off: Vec<u8> = picture
+        .pixels()
+        .zip(&expected)
+        .map(|(ours, theirs)| {
+            (0..3)
+                .map(|c| ours[c].abs_diff(theirs[c]))
+                .max()
+                .unwrap_or(0)
+        })
+        .collect();
+    // Within surfaces both sides round once; on edges four samples stand against sixteen.
+    let more = off.iter().filter(|&&off| off > 2).count();
+    let mean = off.iter().map(|&off| f64::from(off)).sum::<f64>() / off.len() as f64;
+    println!(
+        "{more} of {} pixels more than 2 codes off, mean {mean:.3}",
+        off.len()
+    );
+    assert!(
+        more * 50 < off.len() && mean < 0.5,
+        "{more} of {}, mean {mean}",
+        off.len()
+    );
+}
+
+#[test]
+fn a_model_is_baked_and_a_file_that_is_none_is_an_error_in_one_line() {
+    let test = "a_model_is_baked_and_a_file_that_is_none_is_an_error_in_one_line";
+    let Some(display) = Display::open(test) else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let model = "v 0 0 0\nv 1 0 0\nv 0 0 -1\nv 1 0 -1\nf 1 2 3\nf 2 4 3\n";
+    std::fs::write(folder.path().join("floor.obj"), model).unwrap();
+    std::fs::write(folder.path().join("text.glb"), "no glb at all").unwrap();
+    let output = display.view(folder.path(), "floor.obj --screenshot floor.png");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    if said.contains("no window could be opened") {
+        println!("skipped: {test}: needs a graphics adapter (Debian: mesa-vulkan-drivers): {said}");
+        return;
+    }
+    assert!(output.status.success(), "{said}");
+    let picture = image::open(folder.path().join("floor.png"))
+        .unwrap()
+        .to_rgb8();
+    let first = picture.get_pixel(0, 0);
+    assert!(
+        picture.pixels().any(|pixel| pixel != first),
+        "a picture of nothing"
+    );
+    let output = display.view(folder.path(), "text.glb --screenshot none.png");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(
+        said.starts_with("error: text.glb: ") && said.trim().lines().count() == 1,
+        "{said}"
+    );
+    assert!(!folder.path().join("none.png").exists());
+}
