@@ -3,6 +3,7 @@
 mod compare;
 mod device;
 mod features;
+mod golden;
 mod lights;
 mod limits;
 mod scenes;
