@@ -77,7 +77,9 @@ impl Teller {
             .and_then(|spec| {
                 light::load(&spec, &LightOptions::default()).map_err(|error| error.to_string())
             });
-        self.tell(loaded_light(spec.to_owned(), loaded));
+        // Of a file the name alone.
+        let name = spec.rsplit(['/', '\\']).next().unwrap_or(spec);
+        self.tell(loaded_light(name.to_owned(), loaded));
     }
 }
 

@@ -50,7 +50,7 @@ fn what_belongs_to_another_scene_is_refused() {
         assert!(
             matches!(result, Err(GpuError::Mismatch { .. })),
             "{result:?}"
-        )
+        );
     };
     mismatch(renderer.upload(&world, &other));
     renderer.upload(&world, &good).unwrap();

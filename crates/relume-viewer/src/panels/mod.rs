@@ -91,16 +91,19 @@ fn contents(viewer: &mut Viewer, ui: &mut egui::Ui) {
             ui.toggle_value(&mut viewer.open.help, "Keys");
         });
     });
-    section(ui, "Scene", |ui| scene::show(viewer, ui));
+    section(ui, "Scene", true, |ui| scene::show(viewer, ui));
     #[cfg(not(target_arch = "wasm32"))]
-    section(ui, "Bake", |ui| bake::show(viewer, ui));
-    section(ui, "Light", |ui| light::show(viewer, ui));
-    section(ui, "View", |ui| view::show(viewer, ui));
-    section(ui, "Times", |ui| times::show(viewer, ui));
+    section(ui, "Bake", viewer.baking.is_some(), |ui| {
+        bake::show(viewer, ui)
+    });
+    section(ui, "Light", true, |ui| light::show(viewer, ui));
+    section(ui, "View", true, |ui| view::show(viewer, ui));
+    section(ui, "Times", true, |ui| times::show(viewer, ui));
 }
 
-fn section(ui: &mut egui::Ui, title: &str, contents: impl FnOnce(&mut egui::Ui)) {
+/// A part that can be folded; `open` at first.
+fn section(ui: &mut egui::Ui, title: &str, open: bool, contents: impl FnOnce(&mut egui::Ui)) {
     egui::CollapsingHeader::new(egui::RichText::new(title).strong())
-        .default_open(true)
+        .default_open(open)
         .show(ui, contents);
 }
