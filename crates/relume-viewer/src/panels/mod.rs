@@ -94,7 +94,7 @@ fn contents(viewer: &mut Viewer, ui: &mut egui::Ui) {
     section(ui, "Scene", true, |ui| scene::show(viewer, ui));
     #[cfg(not(target_arch = "wasm32"))]
     section(ui, "Bake", viewer.baking.is_some(), |ui| {
-        bake::show(viewer, ui)
+        bake::show(viewer, ui);
     });
     section(ui, "Light", true, |ui| light::show(viewer, ui));
     section(ui, "View", true, |ui| view::show(viewer, ui));
