@@ -67,7 +67,7 @@ pub fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
                 .default_size(0.4 * height)
         } else {
             egui::Panel::left("panels")
-                .default_size(300.0)
+                .default_size(340.0)
                 .min_size(240.0)
         };
         panel.resizable(true).show(ui, |ui| {

@@ -16,7 +16,7 @@ pub fn handle(viewer: &mut Viewer, ui: &egui::Ui, response: &egui::Response) {
     drag(viewer, ui, response);
     if response.hovered() {
         let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
-        let factor = (scroll * 0.004).exp() * pinch;
+        let factor = (scroll * 0.002).exp() * pinch;
         if factor != 1.0 {
             viewer.navigation.zoom(factor);
         }

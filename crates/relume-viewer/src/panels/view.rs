@@ -9,6 +9,8 @@ use crate::navigation::Mode;
 
 /// Exposure, what is shown, and the camera.
 pub fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
+    // Rows of a grid do not wrap.
+    ui.horizontal_wrapped(|ui| paths(viewer, ui));
     egui::Grid::new("view").num_columns(2).show(ui, |ui| {
         ui.label("Exposure");
         ui.horizontal(|ui| {
@@ -17,9 +19,6 @@ pub fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
                 viewer.auto_exposure();
             }
         });
-        ui.end_row();
-        ui.label("Light paths");
-        ui.horizontal_wrapped(|ui| paths(viewer, ui));
         ui.end_row();
         ui.label("Surface");
         ui.horizontal(|ui| {
