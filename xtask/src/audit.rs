@@ -17,6 +17,7 @@ macro_rules! platform {
             name: $name,
             what: concat!("the library and the program compile for ", $target),
             needs: &[Need::Target($target)],
+            wants: &[],
             run: |context| {
                 let mut tally = Tally::default();
                 tally.command(&mut context.cargo(concat!(
@@ -39,12 +40,14 @@ pub const STEPS: &[Step] = &[
         name: "licences",
         what: "every dependency may be used under a permissive licence",
         needs: &[],
+        wants: &[],
         run: licences,
     },
     Step {
         name: "sanitizer",
         what: "unsafe code (vectors, mapped files, checkpoints, Embree where it is) under AddressSanitizer",
         needs: &[],
+        wants: &[],
         run: sanitizer,
     },
     Step {
@@ -54,12 +57,14 @@ pub const STEPS: &[Step] = &[
             cargo: "fuzz",
             package: "cargo-fuzz",
         }],
+        wants: &[],
         run: fuzz::run,
     },
     Step {
         name: "kill",
         what: "a bake that is killed at any moment and resumed gives the same bytes",
         needs: &[],
+        wants: &[],
         run: kill::run,
     },
 ];

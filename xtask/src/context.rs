@@ -64,8 +64,24 @@ impl Context {
 
     /// The built `relume` program of a profile.
     pub fn relume(&self, profile: &str) -> PathBuf {
-        let name = format!("relume{}", std::env::consts::EXE_SUFFIX);
+        self.program(profile, "relume")
+    }
+
+    /// A built program of a profile.
+    pub fn program(&self, profile: &str, name: &str) -> PathBuf {
+        let name = format!("{name}{}", std::env::consts::EXE_SUFFIX);
         self.target.join(profile).join(name)
+    }
+
+    /// `XDG_RUNTIME_DIR` for programs that draw, where the system sets none: Mesa's EGL complains without.
+    pub fn runtime_folder(&self) -> Result<Option<(&'static str, PathBuf)>, String> {
+        const NAME: &str = "XDG_RUNTIME_DIR";
+        if std::env::var_os(NAME).is_some() || !cfg!(unix) {
+            return Ok(None);
+        }
+        let folder = self.target.join("runtime");
+        make_private(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+        Ok(Some((NAME, folder)))
     }
 
     /// `shared/<path>` beside the repository or an ancestor of it: data and tools that are not part of the repository.
@@ -75,4 +91,12 @@ impl Context {
             .map(|folder| folder.join("shared").join(path))
             .find(|found| found.exists())
     }
+}
+
+/// Makes a folder that only its owner may enter, as the variable's specification asks.
+fn make_private(folder: &Path) -> std::io::Result<()> {
+    std::fs::create_dir_all(folder)?;
+    #[cfg(unix)]
+    std::fs::set_permissions(folder, std::os::unix::fs::PermissionsExt::from_mode(0o700))?;
+    Ok(())
 }

@@ -1,4 +1,4 @@
-//! Development tasks: `cargo xtask test | bench | audit`. Nothing but cargo is needed to start it; CI calls `cargo xtask test --setup`.
+//! Development tasks: `cargo xtask test | bench | audit | web`. Nothing but cargo is needed to start it; CI calls `cargo xtask test --setup`.
 //!
 //! Each command is a table of [`step::Step`]s: what it checks, what the machine must have for it, how to install that, how to run it and
 //! how to count the outcome. A step that fails does not stop the others, and one whose needs are missing is skipped by name.
@@ -8,6 +8,7 @@ mod bench;
 mod context;
 mod docs;
 mod fuzz;
+mod js;
 mod kill;
 mod libtest;
 mod licence;
@@ -21,6 +22,7 @@ mod step;
 mod tally;
 mod test;
 mod validator;
+mod web;
 
 use std::process::ExitCode;
 
@@ -36,6 +38,8 @@ commands
                 `audit fuzz -- --seconds N` says for how long each [default: 60],
                 `audit kill -- --runs N --seconds S` how many bakes of how long [default: 2 of 20]
   bench [NAME]  figures against other programs; `bench NAME -- ARGUMENTS` hands the arguments on
+  web           the viewer's page as static files in target/web, and its size; `--serve [PORT]` serves it on
+                this machine [default: 8080]; `web -- --help` lists what follows `--`
 
 options
   --setup       install what is missing first: rustup components and targets, packages under target/, and,
@@ -60,6 +64,9 @@ fn run(arguments: &[String]) -> Result<ExitCode, String> {
         print!("{USAGE}");
         return Ok(ExitCode::from(2));
     };
+    if command == "web" {
+        return web::run(&Context::find()?, rest);
+    }
     let options = Options::parse(rest)?;
     if options.help || ["help", "-h", "--help"].contains(&command.as_str()) {
         print!("{USAGE}");
@@ -71,7 +78,7 @@ fn run(arguments: &[String]) -> Result<ExitCode, String> {
         "audit" => audit::run(context, options),
         "bench" => bench::run(&context, &options),
         other => Err(format!(
-            "there is no command {other:?}; there are test, audit and bench"
+            "there is no command {other:?}; there are test, audit, bench and web"
         )),
     }
 }

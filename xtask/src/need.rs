@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use crate::context::Context;
-use crate::{process, python, validator};
+use crate::{js, process, python};
 
 /// Something a step cannot run without.
 pub enum Need {
@@ -45,6 +45,13 @@ pub enum Need {
         environment: &'static python::Environment,
         /// Python code that fails without it.
         probe: &'static str,
+    },
+    /// Debian packages that no program of theirs stands for: libraries and drivers.
+    Packages {
+        /// What they are together, for people.
+        name: &'static str,
+        /// Debian packages.
+        debian: &'static str,
     },
     /// The JavaScript packages of xtask/js, under target/js.
     NodeModules,
@@ -101,7 +108,9 @@ impl Need {
         match self {
             Self::Component { cargo, .. } | Self::Tool { cargo, .. } => format!("cargo {cargo}"),
             Self::Target(target) => format!("the target {target}"),
-            Self::Program { name, .. } | Self::Library { name, .. } => (*name).to_owned(),
+            Self::Program { name, .. }
+            | Self::Library { name, .. }
+            | Self::Packages { name, .. } => (*name).to_owned(),
             Self::Python => "python3 with venv".to_owned(),
             Self::Environment(environment) => environment.name(),
             Self::NodeModules => "the JavaScript packages of xtask/js".to_owned(),
@@ -115,9 +124,9 @@ impl Need {
             Self::Component { rustup, .. } => format!("rustup component add {rustup}"),
             Self::Tool { package, .. } => format!("cargo install {package}"),
             Self::Target(target) => format!("rustup target add {target}"),
-            Self::Program { debian, .. } | Self::Library { debian, .. } => {
-                format!("apt-get install {debian}")
-            }
+            Self::Program { debian, .. }
+            | Self::Library { debian, .. }
+            | Self::Packages { debian, .. } => format!("apt-get install {debian}"),
             Self::Python => "apt-get install python3-venv".to_owned(),
             Self::Environment(_) | Self::NodeModules => "run again with --setup".to_owned(),
             Self::Shared(_) => "comes apart from the repository".to_owned(),
@@ -141,7 +150,8 @@ impl Need {
             Self::Library {
                 environment, probe, ..
             } => process::quietly(environment.python(context).args(["-c", probe])),
-            Self::NodeModules => validator::is_installed(context),
+            Self::Packages { debian, .. } => has_packages(context, debian),
+            Self::NodeModules => js::is_installed(context),
             Self::Shared(path) => context.shared(path).is_some(),
         }
     }
@@ -160,10 +170,12 @@ impl Need {
             } => rustup(["component", "add", component]),
             Self::Tool { package, .. } => vec![context.cargo(&format!("install {package}"))],
             Self::Target(target) => rustup(["target", "add", target]),
-            Self::Program { debian, .. } | Self::Library { debian, .. } => apt(context, debian),
+            Self::Program { debian, .. }
+            | Self::Library { debian, .. }
+            | Self::Packages { debian, .. } => apt(context, debian),
             Self::Python => apt(context, "python3 python3-venv"),
             Self::Environment(environment) => environment.install_commands(context),
-            Self::NodeModules => vec![validator::install_command(context)?],
+            Self::NodeModules => vec![js::install_command(context)?],
             Self::Shared(_) => Vec::new(),
         })
     }
@@ -183,6 +195,20 @@ fn apt(context: &Context, packages: &str) -> Vec<Command> {
         .args(packages.split_whitespace())
         .env("DEBIAN_FRONTEND", "noninteractive");
     vec![update, install]
+}
+
+/// Whether Debian's package manager has all of them; not where there is none.
+fn has_packages(context: &Context, debian: &str) -> bool {
+    let mut query = context.command("dpkg-query");
+    query
+        .args(["--show", "--showformat=${db:Status-Status}\n"])
+        .args(debian.split_whitespace())
+        .stderr(std::process::Stdio::null());
+    // A package it has never heard of is no error of ours.
+    query.output().is_ok_and(|output| {
+        let states = String::from_utf8_lossy(&output.stdout).into_owned();
+        output.status.success() && states.lines().all(|state| state == "installed")
+    })
 }
 
 /// Whether the toolchain has the standard library of `target`; also right for toolchains without rustup.

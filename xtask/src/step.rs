@@ -17,6 +17,8 @@ pub struct Step {
     pub what: &'static str,
     /// What the machine must have.
     pub needs: &'static [Need],
+    /// What it makes use of: `--setup` installs it, and without it the step runs all the same and skips by name what it cannot do.
+    pub wants: &'static [Need],
     /// Runs it and counts; an error is one failure.
     pub run: fn(&Context) -> Result<Tally, String>,
 }
@@ -30,12 +32,12 @@ pub fn run_all(context: &Context, steps: &[Step], options: &Options) -> Result<E
     options.check_names(&names)?;
     let wanted = steps.iter().filter(|step| options.wants(step.name));
     if options.list {
-        wanted.for_each(|step| describe(context, step.name, step.what, step.needs));
+        wanted.for_each(|step| describe(context, step));
         return Ok(ExitCode::SUCCESS);
     }
     // Everything is installed first: a step may use what another one needs.
     let ready: Vec<(&Step, Result<(), Missing>)> = wanted
-        .map(|step| (step, provide(context, step.needs, options.setup)))
+        .map(|step| (step, prepare(context, step, options.setup)))
         .collect();
     let mut total = Tally::default();
     for (step, ready) in ready {
@@ -51,6 +53,15 @@ pub fn run_all(context: &Context, steps: &[Step], options: &Options) -> Result<E
     }
     summary(&total);
     Ok(ExitCode::from(u8::from(!total.failed.is_empty())))
+}
+
+/// Sees to what the step cannot do without, and then to what it makes use of.
+fn prepare(context: &Context, step: &Step, setup: bool) -> Result<(), Missing> {
+    provide(context, step.needs, setup)?;
+    if setup && let Err(Missing::Failed(why)) = provide(context, step.wants, setup) {
+        println!("setup: {}: {why}; going on without", step.name);
+    }
+    Ok(())
 }
 
 fn run(context: &Context, step: &Step, ready: Result<(), Missing>) -> Tally {
@@ -71,11 +82,17 @@ fn run(context: &Context, step: &Step, ready: Result<(), Missing>) -> Tally {
     })
 }
 
-/// One step for `--list`: what it is, and what it needs with the line that installs it.
-pub fn describe(context: &Context, name: &str, what: &str, needs: &[Need]) {
-    println!("{name:<12} {what}");
+/// One step for `--list`: what it is, and what it needs and makes use of, with the line that installs it.
+fn describe(context: &Context, step: &Step) {
+    println!("{:<12} {}", step.name, step.what);
+    list_needs(context, step.needs, "needs");
+    list_needs(context, step.wants, "wants");
+}
+
+/// One line for each need: `missing` says what it means that it is not there.
+pub fn list_needs(context: &Context, needs: &[Need], missing: &str) {
     for need in needs {
-        let state = if need.is_met(context) { "has" } else { "needs" };
+        let state = if need.is_met(context) { "has" } else { missing };
         println!(
             "{:<12}   {state} {} ({})",
             "",

@@ -9,7 +9,8 @@ use crate::step::Step;
 use crate::tally::Tally;
 use crate::{docs, process, python, validator};
 
-const WASM: &str = "wasm32-unknown-unknown";
+/// What the viewer's page is compiled for.
+pub const WASM: &str = "wasm32-unknown-unknown";
 const CLIPPY: Need = Need::Component {
     cargo: "clippy",
     rustup: "clippy",
@@ -19,18 +20,34 @@ const RUSTFMT: Need = Need::Component {
     rustup: "rustfmt",
 };
 
+/// A GPU in software, for tests that draw where there is no other; without any they skip by name.
+const SOFTWARE_GPU: Need = Need::Packages {
+    name: "Mesa's software drivers for Vulkan and OpenGL",
+    debian: "mesa-vulkan-drivers libvulkan1 libegl1 libgl1-mesa-dri libegl-mesa0 libgles2",
+};
+const NODE: Need = Need::Program {
+    name: "node",
+    debian: "nodejs",
+};
+const NPM: Need = Need::Program {
+    name: "npm",
+    debian: "npm",
+};
+
 /// In the order they run: the quick ones first, and the assets are validated after the tests that write them.
 pub const STEPS: &[Step] = &[
     Step {
         name: "fmt",
         what: "formatting",
         needs: &[RUSTFMT],
+        wants: &[],
         run: |context| commands(context, &["fmt --all --check"]),
     },
     Step {
         name: "clippy",
         what: "lints of every target, warnings denied",
         needs: &[CLIPPY],
+        wants: &[],
         run: |context| {
             commands(
                 context,
@@ -42,6 +59,7 @@ pub const STEPS: &[Step] = &[
         name: "features",
         what: "the library without its features, and with one at a time",
         needs: &[CLIPPY],
+        wants: &[],
         run: |context| {
             commands(
                 context,
@@ -56,14 +74,17 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "wasm",
-        what: "the library for the web, with its features and without",
+        what: "the library, the renderer and the viewer for the web, with their features and without",
         needs: &[CLIPPY, Need::Target(WASM)],
+        wants: &[],
         run: |context| {
             commands(
                 context,
                 &[
                     "clippy --locked -p relume --target wasm32-unknown-unknown -- -D warnings",
                     "clippy --locked -p relume --target wasm32-unknown-unknown --no-default-features -- -D warnings",
+                    "clippy --locked -p relume-gpu -p relume-viewer --lib --target wasm32-unknown-unknown -- -D warnings",
+                    "clippy --locked -p relume-viewer --lib --target wasm32-unknown-unknown --no-default-features -- -D warnings",
                 ],
             )
         },
@@ -72,40 +93,35 @@ pub const STEPS: &[Step] = &[
         name: "docs",
         what: "documentation as published and with private items, warnings denied",
         needs: &[],
+        wants: &[],
         run: docs::run,
     },
     Step {
         name: "tests",
         what: "unit, property, golden and command-line tests and the examples in the documentation",
         needs: &[],
+        wants: &[SOFTWARE_GPU],
         run: tests,
     },
     Step {
         name: "wheel",
         what: "the Python package: built, installed under target/, its tests",
         needs: &[Need::Python, Need::Environment(&python::TESTS)],
+        wants: &[],
         run: python::run_package_tests,
     },
     Step {
         name: "python",
         what: "exports read with numpy, and the Python examples of the documentation",
         needs: &[Need::Python, Need::Environment(&python::TESTS)],
+        wants: &[],
         run: python::run_tests,
     },
     Step {
         name: "gltf",
         what: "the assets written by the tests, through the Khronos validator",
-        needs: &[
-            Need::Program {
-                name: "node",
-                debian: "nodejs",
-            },
-            Need::Program {
-                name: "npm",
-                debian: "npm",
-            },
-            Need::NodeModules,
-        ],
+        needs: &[NODE, NPM, Need::NodeModules],
+        wants: &[],
         run: validator::run,
     },
 ];
@@ -133,6 +149,7 @@ fn tests(context: &Context) -> Result<Tally, String> {
     let mut cargo = context.cargo("test --locked --workspace --no-fail-fast -- --show-output");
     cargo
         .env("RELUME_ASSETS", &assets)
+        .envs(context.runtime_folder()?)
         // Failing cases are printed; nothing is written beside the sources.
         .env("PROPTEST_DISABLE_FAILURE_PERSISTENCE", "1");
     // Tests that look for a python3 with numpy find ours.

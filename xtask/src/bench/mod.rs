@@ -105,7 +105,8 @@ pub fn run(context: &Context, options: &Options) -> Result<ExitCode, String> {
     let (mut ok, mut rows) = (true, Vec::new());
     for bench in BENCHES.iter().filter(|bench| options.wants(bench.name)) {
         if options.list {
-            step::describe(context, bench.name, bench.what, bench.needs);
+            println!("{:<12} {}", bench.name, bench.what);
+            step::list_needs(context, bench.needs, "needs");
             continue;
         }
         step::header(bench.name, bench.what);
