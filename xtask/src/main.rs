@@ -5,6 +5,7 @@
 
 mod audit;
 mod bench;
+mod browser;
 mod context;
 mod docs;
 mod fuzz;

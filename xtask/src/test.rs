@@ -7,7 +7,7 @@ use crate::libtest::Libtest;
 use crate::need::Need;
 use crate::step::Step;
 use crate::tally::Tally;
-use crate::{docs, process, python, validator};
+use crate::{browser, docs, process, python, validator};
 
 /// What the viewer's page is compiled for.
 pub const WASM: &str = "wasm32-unknown-unknown";
@@ -123,6 +123,22 @@ pub const STEPS: &[Step] = &[
         needs: &[NODE, NPM, Need::NodeModules],
         wants: &[],
         run: validator::run,
+    },
+    Step {
+        name: "browser",
+        what: "the viewer's page in Chromium, with WebGPU and with WebGL2",
+        needs: &[
+            Need::Target(WASM),
+            NODE,
+            NPM,
+            Need::NodeModules,
+            Need::Program {
+                name: browser::CHROMIUM,
+                debian: "chromium",
+            },
+        ],
+        wants: &[],
+        run: browser::run,
     },
 ];
 
