@@ -52,9 +52,7 @@ pub fn fill(folder: &Path, quick: bool) -> Result<(), String> {
     }
     let list: Vec<_> = EXHIBITS
         .iter()
-        .map(|exhibit| {
-            json!({ "name": exhibit.name, "what": exhibit.what })
-        })
+        .map(|exhibit| json!({ "name": exhibit.name, "what": exhibit.what }))
         .collect();
     let text = format!("{:#}\n", serde_json::Value::from(list));
     write(&folder.join("index.json"), text.as_bytes())
