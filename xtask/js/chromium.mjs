@@ -22,6 +22,8 @@ const FLAGS = {
     "--enable-features=Vulkan",
     "--use-vulkan=swiftshader",
   ],
+  // Emulated ones scale the page but not the boxes, in device pixels, that canvases are made by.
+  twofold: [...BASE, "--force-device-scale-factor=2"],
 };
 
 const browsers = new Map();

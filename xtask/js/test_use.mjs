@@ -7,7 +7,7 @@ const SCENE = "asset=gallery/ball.glb&light=sun:1,1,0.3,30,9,8,6&exposure=0";
 
 export async function keys(kind) {
   await Viewer.with(kind, SCENE, async (viewer) => {
-    let { size } = await viewer.settled();
+    const { size } = await viewer.settled();
     let before = await viewer.picture();
     const changes = async (what, act) => {
       await act();
@@ -22,8 +22,9 @@ export async function keys(kind) {
     await changes("arrow right, held (camera)", () => keyboard.press("ArrowRight", { delay: 500 }));
     await changes("r (camera back)", () => keyboard.press("r"));
     await changes("F2 (panels)", () => keyboard.press("F2"));
-    const wider = (await viewer.state()).size;
-    check(wider[0] > size[0] && wider[0] === SIZE.width, `F2: from ${size} to ${wider} pixels`);
+    const all = (await viewer.state()).size;
+    check(all[0] === SIZE.width && all[1] === SIZE.height, `F2: from ${size} to ${all} pixels`);
+    check(size[0] * size[1] < all[0] * all[1], `panels were no part of ${size} pixels`);
     viewer.checkQuiet();
   });
 }

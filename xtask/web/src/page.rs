@@ -64,7 +64,7 @@ fn compile(places: &Places, quick: bool, webgpu_only: bool) -> Result<PathBuf, S
     let (profile, folder) = if quick {
         ("dev", "debug")
     } else {
-        ("web", "web")
+        ("wasm-release", "wasm-release")
     };
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo
