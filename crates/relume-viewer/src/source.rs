@@ -56,7 +56,7 @@ impl Source {
         }
     }
 
-    /// What to say of a file past [`MAX_BYTES`].
+    /// What to say of a file with more bytes than are taken into memory at once.
     pub fn too_large(&self) -> String {
         format!(
             "{}: larger than {} MB; open it in the native viewer, or bake it with --precision f16",
