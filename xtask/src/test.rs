@@ -20,10 +20,11 @@ const RUSTFMT: Need = Need::Component {
     rustup: "rustfmt",
 };
 
-/// A GPU in software, for tests that draw where there is no other; without any they skip by name.
+/// A GPU and a display in software, for tests that draw where there is no other; without any they skip by name.
 const SOFTWARE_GPU: Need = Need::Packages {
-    name: "Mesa's software drivers for Vulkan and OpenGL",
-    debian: "mesa-vulkan-drivers libvulkan1 libegl1 libgl1-mesa-dri libegl-mesa0 libgles2",
+    name: "Mesa's software drivers for Vulkan and OpenGL, and a virtual display",
+    debian: "mesa-vulkan-drivers libvulkan1 libegl1 libgl1-mesa-dri libegl-mesa0 libgles2 \
+             xvfb libxkbcommon-x11-0 libxcursor1 libxi6 libxrandr2",
 };
 const NODE: Need = Need::Program {
     name: "node",
