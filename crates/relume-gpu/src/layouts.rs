@@ -7,9 +7,8 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C)]
 pub struct Page {
     pub first_row: u32,
-    pub channels: u32,
-    pub quads: u32,
-    pub unused: u32,
+    pub width_log2: u32,
+    pub unused: [u32; 2],
 }
 
 /// `DistantLight` of relight.wgsl: red, green and blue, each in quads.
@@ -34,9 +33,9 @@ pub struct View {
     pub forward: [f32; 3],
     pub surface: u32,
     pub right: [f32; 3],
-    pub encoding: u32,
+    pub unused: u32,
     pub up: [f32; 3],
-    pub width: u32,
+    pub width_log2: u32,
     /// Columns, each padded to four.
     pub background_from_world: [[f32; 4]; 3],
 }
@@ -47,7 +46,7 @@ pub struct View {
 pub struct Material {
     pub base_color: [f32; 4],
     pub cutoff: f32,
-    pub double_sided: u32,
+    pub spare: u32,
     pub unused: [u32; 2],
 }
 

@@ -57,8 +57,7 @@ fn structs_lie_as_the_shaders_read_them() {
         RELIGHT,
         Page {
             first_row,
-            channels,
-            quads,
+            width_log2,
             unused
         }
     );
@@ -72,9 +71,9 @@ fn structs_lie_as_the_shaders_read_them() {
             forward,
             surface,
             right,
-            encoding,
+            unused,
             up,
-            width,
+            width_log2,
             background_from_world
         }
     );
@@ -83,7 +82,7 @@ fn structs_lie_as_the_shaders_read_them() {
         Material {
             base_color,
             cutoff,
-            double_sided,
+            spare,
             unused
         }
     );

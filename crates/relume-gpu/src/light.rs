@@ -7,51 +7,48 @@ use wgpu::{BindGroup, BindingResource, RenderPipeline, TextureFormat, TextureUsa
 use crate::GpuError;
 use crate::gpu::{Gpu, whole};
 use crate::layouts::DistantLight;
-use crate::pipelines::Relight;
+use crate::pipelines::{Lit, Relight};
 use crate::sides::Layout;
 use crate::transfer::GpuTransfer;
 
 /// A light as the relight pass reads it.
-pub enum GpuLight {
-    /// The same for all.
-    Distant(BindGroup),
-    /// Rows of light, and the row of each side.
-    Objects(BindGroup),
-    /// Pages like those of the transfer.
-    Vertices(Vec<BindGroup>),
+pub struct GpuLight {
+    pub pipeline: RenderPipeline,
+    /// One for every page of transfer, or one for all.
+    groups: Vec<BindGroup>,
 }
 
 impl GpuLight {
     /// Uploads a light, cut or padded to the order of `transfer`.
     pub fn new(
         gpu: &Gpu,
-        layouts: &Relight,
+        relight: &mut Relight,
         transfer: &GpuTransfer,
         light: &IncidentLight,
     ) -> Result<Self, GpuError> {
-        match light {
-            IncidentLight::Distant(light) => Ok(distant(gpu, layouts, transfer, light)),
-            IncidentLight::PerObject(objects) => by_object(gpu, layouts, transfer, objects),
-            IncidentLight::PerVertex(light) => by_vertex(gpu, layouts, transfer, light),
-            _ => Err(GpuError::UnknownLight),
-        }
-    }
-
-    /// The pipeline that reads it.
-    pub fn pipeline<'a>(&self, layouts: &'a Relight) -> &'a RenderPipeline {
-        match self {
-            Self::Distant(_) => &layouts.distant.pipeline,
-            Self::Objects(_) => &layouts.objects.pipeline,
-            Self::Vertices(_) => &layouts.vertices.pipeline,
-        }
+        let (lit, groups) = match light {
+            IncidentLight::Distant(light) => {
+                let group = distant(gpu, relight, transfer, light);
+                (Lit::Distant, vec![group])
+            }
+            IncidentLight::PerObject(objects) => {
+                let group = by_object(gpu, relight, transfer, objects)?;
+                (Lit::Objects, vec![group])
+            }
+            IncidentLight::PerVertex(light) => {
+                (Lit::Vertices, by_vertex(gpu, relight, transfer, light)?)
+            }
+            _ => return Err(GpuError::UnknownLight),
+        };
+        Ok(Self {
+            pipeline: relight.pipeline(&gpu.device, lit, transfer.shape),
+            groups,
+        })
     }
 
     /// What a page of transfer is lit with.
     pub fn group(&self, page: usize) -> &BindGroup {
-        match self {
-            Self::Distant(group) | Self::Objects(group) => group,
-            Self::Vertices(groups) => &groups[page],
-        }
+        &self.groups[page.min(self.groups.len() - 1)]
     }
 }
 
@@ -65,15 +62,15 @@ fn write_planes(light: &ShLight, quads: usize, planes: &mut [[f32; 4]]) {
     }
 }
 
-fn distant(gpu: &Gpu, layouts: &Relight, transfer: &GpuTransfer, light: &ShLight) -> GpuLight {
+fn distant(gpu: &Gpu, layouts: &Relight, transfer: &GpuTransfer, light: &ShLight) -> BindGroup {
     let mut planes = DistantLight {
         quads: [[0.0; 4]; DistantLight::QUADS],
     };
     let light = light.resized(transfer.order);
-    write_planes(&light, transfer.quads, &mut planes.quads);
+    write_planes(&light, transfer.shape.quads, &mut planes.quads);
     let uniform = gpu.uniform("distant light", &planes);
     let resources = [(0, uniform.as_entire_binding())];
-    GpuLight::Distant(gpu.group("distant light", &layouts.distant.light, resources))
+    gpu.group("distant light", layouts.light(Lit::Distant), resources)
 }
 
 fn by_object(
@@ -81,7 +78,7 @@ fn by_object(
     layouts: &Relight,
     transfer: &GpuTransfer,
     objects: &[ObjectLight],
-) -> Result<GpuLight, GpuError> {
+) -> Result<BindGroup, GpuError> {
     let (texels, limit) = (objects.len() + 1, gpu.largest_texture());
     if texels > limit {
         return Err(GpuError::Texture {
@@ -91,12 +88,12 @@ fn by_object(
         });
     }
     // Row 0 is dark, for vertices of no object.
-    let stride = 3 * transfer.quads;
+    let stride = 3 * transfer.shape.quads;
     let mut rows = vec![[0.0; 4]; stride * texels];
     let mut row_of = vec![0_u32; transfer.vertices];
     for (row, ObjectLight { vertices, light }) in (1_u32..).zip(objects) {
         let planes = &mut rows[row as usize * stride..][..stride];
-        write_planes(&light.resized(transfer.order), transfer.quads, planes);
+        write_planes(&light.resized(transfer.order), transfer.shape.quads, planes);
         let mine = row_of.get_mut(vertices.clone());
         mine.ok_or(GpuError::Mismatch {
             what: "vertices of objects",
@@ -119,8 +116,7 @@ fn by_object(
         (1, BindingResource::TextureView(&whole(&light))),
         (2, BindingResource::TextureView(&whole(&row))),
     ];
-    let group = gpu.group("light by object", &layouts.objects.light, resources);
-    Ok(GpuLight::Objects(group))
+    Ok(gpu.group("light by object", layouts.light(Lit::Objects), resources))
 }
 
 fn by_vertex(
@@ -128,7 +124,7 @@ fn by_vertex(
     layouts: &Relight,
     transfer: &GpuTransfer,
     light: &VertexLight,
-) -> Result<GpuLight, GpuError> {
+) -> Result<Vec<BindGroup>, GpuError> {
     if light.vertex_count() != transfer.vertices {
         return Err(GpuError::Mismatch {
             what: "lights by vertex",
@@ -139,7 +135,7 @@ fn by_vertex(
     let layout = Layout {
         pages: &transfer.pages,
         channels: 3,
-        quads: transfer.quads,
+        quads: transfer.shape.quads,
         precision: Precision::F32,
     };
     let count = transfer.order.count();
@@ -149,7 +145,7 @@ fn by_vertex(
             here.iter().take(count).map(move |rgb| rgb[channel])
         });
         let resources = [(1, BindingResource::TextureView(&whole(&page)))];
-        gpu.group("light by vertex", &layouts.vertices.light, resources)
+        gpu.group("light by vertex", layouts.light(Lit::Vertices), resources)
     });
-    Ok(GpuLight::Vertices(groups.collect()))
+    Ok(groups.collect())
 }

@@ -3,8 +3,8 @@
 use glam::{DMat3, DMat4, DVec3, DVec4};
 use relume::display::Camera;
 
-use crate::layouts::{self, encoding, surface};
-use crate::{GpuError, Target};
+use crate::GpuError;
+use crate::layouts::{self, surface};
 
 /// What a picture shows of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +55,6 @@ impl Look {
     pub(crate) fn uniform(
         &self,
         camera: &Camera,
-        target: Target,
         width: u32,
         turned: DMat3,
     ) -> Result<layouts::View, GpuError> {
@@ -92,24 +91,14 @@ impl Look {
                 Surface::Albedo => surface::ALBEDO,
             },
             right: columns(frame.right * half_width),
-            encoding: written(target.format),
+            unused: 0,
             up: columns(frame.up * half_height),
-            width,
+            width_log2: width.ilog2(),
             background_from_world: [
                 column(background_from_world.x_axis),
                 column(background_from_world.y_axis),
                 column(background_from_world.z_axis),
             ],
         })
-    }
-}
-
-/// How a target's colours are written: floats hold radiance, sRGB formats encode by themselves, the others hold codes.
-fn written(format: wgpu::TextureFormat) -> u32 {
-    use wgpu::TextureFormat as F;
-    match format {
-        F::Rgba16Float | F::Rgba32Float | F::Rg11b10Ufloat => encoding::RADIANCE,
-        _ if format.is_srgb() => encoding::LINEAR,
-        _ => encoding::ENCODED,
     }
 }

@@ -1,29 +1,47 @@
 //! Base colours on the device.
 
+use glam::Vec3;
 use relume::display::srgb_code;
 use relume::scene::{AlphaMode, Material, Sampler, Texture, World, Wrap, srgb_to_linear};
-use wgpu::{BindGroup, BindingResource, TextureView};
+use wgpu::{BindGroup, BindingResource, RenderPipeline, TextureView};
 
 use crate::gpu::{Gpu, whole};
 use crate::layouts;
-use crate::pipelines::ViewPass;
+use crate::pipelines::{Kind, ViewPass};
 
-/// A bind group for every material of `world`.
-pub fn bind_groups(gpu: &Gpu, layouts: &ViewPass, world: &World) -> Vec<BindGroup> {
+/// A material on the device.
+pub struct GpuMaterial {
+    pub pipeline: RenderPipeline,
+    pub bind_group: BindGroup,
+}
+
+/// Every material of `world`; `backs` says whether any vertex has a back side.
+pub fn upload(gpu: &Gpu, view: &mut ViewPass, world: &World, backs: bool) -> Vec<GpuMaterial> {
     let white = Texture {
         width: 1,
         height: 1,
         texels: vec![[255; 4]],
         sampler: Sampler::default(),
     };
-    let mut views: Vec<TextureView> = world.textures.iter().map(|t| upload(gpu, t)).collect();
-    views.push(upload(gpu, &white));
-    let group = |material: &Material| {
+    let mut views: Vec<TextureView> = world.textures.iter().map(|t| image(gpu, t)).collect();
+    views.push(image(gpu, &white));
+    let colored = world.colors.iter().any(|&color| color != Vec3::ONE)
+        || world.alphas.iter().any(|&alpha| alpha != 1.0);
+    let upload = |material: &Material| {
         let image = material.base_color_texture.unwrap_or(world.textures.len());
         let texture = world.textures.get(image).unwrap_or(&white);
-        bind_group(gpu, layouts, material, &views[image], texture.sampler)
+        let kind = Kind {
+            textured: material.base_color_texture.is_some(),
+            masked: matches!(material.alpha, AlphaMode::Mask(_)),
+            two_sided: material.double_sided && backs,
+            colored,
+        };
+        GpuMaterial {
+            pipeline: view.surface(&gpu.device, kind),
+            bind_group: bind_group(gpu, view, material, &views[image], texture.sampler),
+        }
     };
-    world.materials.iter().map(group).collect()
+    world.materials.iter().map(upload).collect()
 }
 
 fn bind_group(
@@ -39,7 +57,7 @@ fn bind_group(
             AlphaMode::Opaque => -1.0,
             AlphaMode::Mask(cutoff) => cutoff,
         },
-        double_sided: material.double_sided.into(),
+        spare: 0,
         unused: [0; 2],
     };
     let factors = gpu.uniform("material", &factors);
@@ -112,7 +130,7 @@ impl Level {
 }
 
 /// The texture with all its smaller levels; one too large for the device starts at the first that fits.
-fn upload(gpu: &Gpu, texture: &Texture) -> TextureView {
+fn image(gpu: &Gpu, texture: &Texture) -> TextureView {
     let mut level = Level {
         width: texture.width,
         height: texture.height,

@@ -14,7 +14,7 @@ const TEXEL: u64 = 16;
 /// The places of sides: side i at texel (i % width, i / width) of the radiance texture; so many of its rows to a page of transfer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pages {
-    /// Sides in a row.
+    /// Sides in a row: a power of two, four at least.
     pub width: u32,
     /// Rows of sides in a page (fewer in the last).
     pub rows: u32,
@@ -26,7 +26,9 @@ impl Pages {
     /// Places for `sides` sides, of which each takes at most `texels` texels of a page, on a device whose textures have up to `largest`
     /// texels a side.
     pub fn new(sides: usize, texels: usize, largest: u32) -> Result<Self, GpuError> {
-        let limit = largest as usize * largest as usize;
+        // The view pass finds a side's place by shifting.
+        let widest = 1 << largest.max(1).ilog2();
+        let limit = widest as usize * largest as usize;
         if sides > limit {
             return Err(GpuError::TooManySides { sides, limit });
         }
@@ -37,10 +39,10 @@ impl Pages {
                 limit: largest as usize,
             });
         }
-        let narrow = WIDTH.min(largest);
+        let narrow = WIDTH.min(widest);
         let fits = sides.div_ceil(narrow as usize) <= largest as usize;
-        let width = if fits { narrow } else { largest };
-        let width = width.min(sides.max(1) as u32);
+        let width = if fits { narrow } else { widest };
+        let width = width.min((sides.max(4) as u32).next_power_of_two());
         let by_size = PAGE_BYTES / (u64::from(width) * texels.max(1) as u64 * TEXEL);
         let rows = (u64::from(largest) / texels.max(1) as u64).min(by_size);
         Ok(Self {

@@ -9,7 +9,7 @@ use wgpu::{
     TextureFormat, TextureSampleType, TextureViewDimension,
 };
 
-use crate::layouts::{DistantLight, Material, Page, Vertex, View};
+use crate::layouts::{DistantLight, Material, Page, Vertex, View, encoding};
 use crate::{DEPTH_FORMAT, Target};
 
 /// The relight pass.
@@ -20,72 +20,107 @@ pub const VIEW: &str = include_str!("shaders/view.wgsl");
 /// Transferred radiance: the bits of floats, since OpenGL and WebGL2 draw to integers without asking for an extension.
 pub const RADIANCE_FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
 
-/// One relight pipeline for each kind of light.
+/// Relight pipelines, for each kind of light, and what is bound to them.
 pub struct Relight {
+    shader: ShaderModule,
     pub page: BindGroupLayout,
-    pub distant: Lit,
-    pub objects: Lit,
-    pub vertices: Lit,
+    /// For [`Lit::Distant`], [`Lit::Objects`] and [`Lit::Vertices`].
+    lights: [BindGroupLayout; 3],
+    /// Those that were asked for.
+    pipelines: Vec<((Lit, Shape), RenderPipeline)>,
 }
 
-/// A pipeline and what its light is bound to.
-pub struct Lit {
-    pub light: BindGroupLayout,
-    pub pipeline: RenderPipeline,
+/// Kinds of light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lit {
+    Distant,
+    Objects,
+    Vertices,
+}
+
+/// How a side's transfer vectors are cut: each shape has pipelines of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shape {
+    pub channels: usize,
+    /// Fours of coefficients in a vector.
+    pub quads: usize,
 }
 
 /// The pipelines of the view pass and what is bound to them.
 pub struct ViewPass {
+    shader: ShaderModule,
+    target: Target,
     pub view: BindGroupLayout,
     pub radiance: BindGroupLayout,
     pub material: BindGroupLayout,
     pub background: BindGroupLayout,
-    pub surface: RenderPipeline,
     pub wire: RenderPipeline,
     pub sky: RenderPipeline,
+    /// Those that were asked for.
+    surfaces: Vec<(Kind, RenderPipeline)>,
+}
+
+/// A kind of surfaces: each has a pipeline of its own, without what the others need. See view.wgsl.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Kind {
+    pub textured: bool,
+    pub masked: bool,
+    pub two_sided: bool,
+    pub colored: bool,
 }
 
 impl Relight {
     pub fn new(device: &Device) -> Self {
-        let shader = shader(device, "relight", RELIGHT);
-        let page = layout(
-            device,
-            "page",
-            &[
-                uniform::<Page>(0, ShaderStages::FRAGMENT, false),
-                texture(1, ShaderStages::FRAGMENT, EXACT),
-            ],
-        );
-        let lit = |entry: &str, light: &[BindGroupLayoutEntry]| {
-            let light = layout(device, entry, light);
-            let pipeline = Pipeline {
-                shader: &shader,
-                vertex: "cover",
-                fragment: entry,
-                groups: &[&page, &light],
-                target: Target {
-                    format: RADIANCE_FORMAT,
-                    samples: 1,
-                },
-                mesh: None,
-                depth: None,
-            };
-            Lit {
-                pipeline: pipeline.create(device),
-                light,
-            }
-        };
+        let page = [
+            uniform::<Page>(0, ShaderStages::FRAGMENT, false),
+            texture(1, ShaderStages::FRAGMENT, EXACT),
+        ];
+        let distant = uniform::<DistantLight>(0, ShaderStages::FRAGMENT, false);
         let light = texture(1, ShaderStages::FRAGMENT, EXACT);
         let objects = texture(2, ShaderStages::FRAGMENT, TextureSampleType::Uint);
         Self {
-            distant: lit(
-                "relight_distant",
-                &[uniform::<DistantLight>(0, ShaderStages::FRAGMENT, false)],
-            ),
-            objects: lit("relight_objects", &[light, objects]),
-            vertices: lit("relight_vertices", &[light]),
-            page,
+            shader: shader(device, "relight", RELIGHT),
+            page: layout(device, "page", &page),
+            lights: [
+                layout(device, "distant light", &[distant]),
+                layout(device, "light by object", &[light, objects]),
+                layout(device, "light by vertex", &[light]),
+            ],
+            pipelines: Vec::new(),
         }
+    }
+
+    /// What a light is bound to.
+    pub fn light(&self, lit: Lit) -> &BindGroupLayout {
+        &self.lights[lit as usize]
+    }
+
+    /// The pipeline for a kind of light, made when it is first asked for.
+    pub fn pipeline(&mut self, device: &Device, lit: Lit, shape: Shape) -> RenderPipeline {
+        let known = self.pipelines.iter().find(|(key, _)| *key == (lit, shape));
+        if let Some((_, made)) = known {
+            return made.clone();
+        }
+        let pipeline = Pipeline {
+            shader: &self.shader,
+            vertex: "cover",
+            fragment: match lit {
+                Lit::Distant => "relight_distant",
+                Lit::Objects => "relight_objects",
+                Lit::Vertices => "relight_vertices",
+            },
+            groups: &[&self.page, self.light(lit)],
+            target: RADIANCE_FORMAT.into(),
+            mesh: None,
+            depth: None,
+            constants: &[
+                ("CHANNELS", shape.channels as f64),
+                ("QUADS", shape.quads as f64),
+            ],
+        };
+        let pipeline = pipeline.create(device);
+        self.pipelines.push(((lit, shape), pipeline.clone()));
+        pipeline
     }
 }
 
@@ -108,7 +143,7 @@ impl ViewPass {
         let factors = uniform::<Material>(0, ShaderStages::FRAGMENT, false);
         let material = layout(device, "material", &[factors, image, filter]);
         let background = layout(device, "background", &sampled(1));
-        let pipeline = |vertex, fragment, groups: &[&BindGroupLayout], mesh, depth| {
+        let overlay = |vertex, fragment, groups: &[&BindGroupLayout], mesh| {
             let pipeline = Pipeline {
                 shader: &shader,
                 vertex,
@@ -116,36 +151,58 @@ impl ViewPass {
                 groups,
                 target,
                 mesh,
-                depth: Some(depth),
+                depth: Some(Depth::NotFarther),
+                constants: &Kind::default().constants(target),
             };
             pipeline.create(device)
         };
-        let (triangles, lines) = (PrimitiveTopology::TriangleList, PrimitiveTopology::LineList);
-        let groups: [&BindGroupLayout; 3] = [&view, &radiance, &material];
-        let surface = pipeline("vertex", "surface", &groups, Some(triangles), Depth::Nearer);
-        let wire = pipeline(
-            "vertex",
-            "wire",
-            &groups[..2],
-            Some(lines),
-            Depth::NotFarther,
-        );
-        let sky = pipeline(
-            "behind",
-            "sky",
-            &[&view, &background],
-            None,
-            Depth::NotFarther,
-        );
+        let lines = Some(PrimitiveTopology::LineList);
+        let wire = overlay("vertex", "wire", &[&view, &radiance], lines);
+        let sky = overlay("behind", "sky", &[&view, &background], None);
         Self {
-            surface,
+            shader,
+            target,
             wire,
             sky,
             view,
             radiance,
             material,
             background,
+            surfaces: Vec::new(),
         }
+    }
+
+    /// The pipeline for surfaces of a kind, made when it is first asked for.
+    pub fn surface(&mut self, device: &Device, kind: Kind) -> RenderPipeline {
+        if let Some((_, made)) = self.surfaces.iter().find(|(known, _)| *known == kind) {
+            return made.clone();
+        }
+        let pipeline = Pipeline {
+            shader: &self.shader,
+            vertex: "vertex",
+            fragment: "surface",
+            groups: &[&self.view, &self.radiance, &self.material],
+            target: self.target,
+            mesh: Some(PrimitiveTopology::TriangleList),
+            depth: Some(Depth::Nearer),
+            constants: &kind.constants(self.target),
+        };
+        let pipeline = pipeline.create(device);
+        self.surfaces.push((kind, pipeline.clone()));
+        pipeline
+    }
+}
+
+impl Kind {
+    /// The constants of view.wgsl.
+    fn constants(self, target: Target) -> [(&'static str, f64); 5] {
+        [
+            ("ENCODING", written(target.format).into()),
+            ("TEXTURED", f64::from(u8::from(self.textured))),
+            ("MASKED", f64::from(u8::from(self.masked))),
+            ("TWO_SIDED", f64::from(u8::from(self.two_sided))),
+            ("COLORED", f64::from(u8::from(self.colored))),
+        ]
     }
 }
 
@@ -171,6 +228,7 @@ struct Pipeline<'a> {
     /// How vertices are joined; `None` where the shader makes a triangle of its own.
     mesh: Option<PrimitiveTopology>,
     depth: Option<Depth>,
+    constants: &'a [(&'a str, f64)],
 }
 
 impl Pipeline<'_> {
@@ -197,13 +255,17 @@ impl Pipeline<'_> {
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
         });
+        let compilation_options = wgpu::PipelineCompilationOptions {
+            constants: self.constants,
+            ..wgpu::PipelineCompilationOptions::default()
+        };
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(self.fragment),
             layout: Some(&layout),
             vertex: wgpu::VertexState {
                 module: self.shader,
                 entry_point: Some(self.vertex),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                compilation_options: compilation_options.clone(),
                 buffers: buffers.as_slice(),
             },
             primitive: wgpu::PrimitiveState {
@@ -218,7 +280,7 @@ impl Pipeline<'_> {
             fragment: Some(wgpu::FragmentState {
                 module: self.shader,
                 entry_point: Some(self.fragment),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                compilation_options,
                 targets: &[Some(self.target.format.into())],
             }),
             multiview_mask: None,
@@ -275,4 +337,14 @@ fn texture(
 fn sampler(binding: u32) -> BindGroupLayoutEntry {
     let ty = BindingType::Sampler(SamplerBindingType::Filtering);
     entry(binding, ShaderStages::FRAGMENT, ty)
+}
+
+/// How a target's colours are written: floats hold radiance, sRGB formats encode by themselves, the others hold codes.
+fn written(format: TextureFormat) -> u32 {
+    use wgpu::TextureFormat as F;
+    match format {
+        F::Rgba16Float | F::Rgba32Float | F::Rg11b10Ufloat => encoding::RADIANCE,
+        _ if format.is_srgb() => encoding::LINEAR,
+        _ => encoding::ENCODED,
+    }
 }

@@ -11,7 +11,7 @@ use crate::background::Background;
 use crate::gpu::Gpu;
 use crate::layouts::View;
 use crate::light::GpuLight;
-use crate::material;
+use crate::material::{self, GpuMaterial};
 use crate::mesh::Mesh;
 use crate::pipelines::{Relight, ViewPass};
 use crate::transfer::GpuTransfer;
@@ -25,7 +25,6 @@ const ALIGNMENT: u32 = 256;
 /// Draws one baked scene in changing light.
 pub struct Renderer {
     gpu: Gpu,
-    target: Target,
     relight: Relight,
     view: ViewPass,
     /// A ring of uniforms, one for each view.
@@ -39,7 +38,7 @@ pub struct Renderer {
 /// What was uploaded.
 struct Scene {
     mesh: Mesh,
-    materials: Vec<BindGroup>,
+    materials: Vec<GpuMaterial>,
     transfer: GpuTransfer,
     radiance: BindGroup,
     light: Option<GpuLight>,
@@ -69,7 +68,6 @@ impl Renderer {
         Self {
             relight: Relight::new(device),
             gpu,
-            target,
             view,
             views,
             views_group,
@@ -86,7 +84,8 @@ impl Renderer {
     pub fn upload(&mut self, world: &World, transfer: &Transfer) -> Result<(), GpuError> {
         let uploaded = self.transfer(world.positions.len(), transfer)?;
         let mesh = Mesh::new(&self.gpu.device, world, &uploaded.backs)?;
-        let materials = material::bind_groups(&self.gpu, &self.view, world);
+        let backs = !uploaded.backs.is_empty();
+        let materials = material::upload(&self.gpu, &mut self.view, world, backs);
         self.scene = Some(Scene {
             radiance: self.radiance_group(&uploaded),
             mesh,
@@ -157,7 +156,7 @@ impl Renderer {
     /// No scene, or a light of another one.
     pub fn stage_light(&mut self, light: &IncidentLight) -> Result<(), GpuError> {
         let scene = self.scene.as_mut().ok_or(GpuError::NoScene)?;
-        let light = GpuLight::new(&self.gpu, &self.relight, &scene.transfer, light)?;
+        let light = GpuLight::new(&self.gpu, &mut self.relight, &scene.transfer, light)?;
         scene.light = Some(light);
         Ok(())
     }
@@ -171,9 +170,7 @@ impl Renderer {
         if let Some(scene) = &self.scene
             && let Some(light) = &scene.light
         {
-            scene
-                .transfer
-                .relight(encoder, &self.relight, light, timestamps);
+            scene.transfer.relight(encoder, light, timestamps);
         }
     }
 
@@ -202,7 +199,7 @@ impl Renderer {
             .background
             .as_ref()
             .map_or(DMat3::IDENTITY, |b| b.world_from_light);
-        let uniform = look.uniform(camera, self.target, width, turned)?;
+        let uniform = look.uniform(camera, width, turned)?;
         let offset = self.next_view * ALIGNMENT;
         self.next_view = (self.next_view + 1) % VIEWS;
         self.gpu
@@ -228,12 +225,13 @@ impl Renderer {
         scene: &Scene,
         wireframe: bool,
     ) -> Result<(), GpuError> {
-        pass.set_pipeline(&self.view.surface);
         pass.set_bind_group(1, &scene.radiance, &[]);
         pass.set_vertex_buffer(0, scene.mesh.vertices.slice(..));
         pass.set_index_buffer(scene.mesh.triangles.slice(..), wgpu::IndexFormat::Uint32);
         for (material, indices) in &scene.mesh.groups {
-            pass.set_bind_group(2, &scene.materials[*material], &[]);
+            let material = &scene.materials[*material];
+            pass.set_pipeline(&material.pipeline);
+            pass.set_bind_group(2, &material.bind_group, &[]);
             pass.draw_indexed(indices.clone(), 0, 0..1);
         }
         if wireframe {

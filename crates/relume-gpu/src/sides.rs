@@ -44,7 +44,7 @@ impl Layout<'_> {
                     let vector = of(side, channel).into_iter().take(4 * self.quads);
                     for (i, value) in vector.enumerate() {
                         let texel = channel * self.quads + i / 4;
-                        block[texel * width + x][i % 4] = value;
+                        block[4 * (x / 4 * texels + texel) + x % 4][i % 4] = value;
                     }
                 }
             }

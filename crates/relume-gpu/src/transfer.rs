@@ -9,15 +9,14 @@ use crate::gpu::{Gpu, whole};
 use crate::layouts::Page;
 use crate::light::GpuLight;
 use crate::pages::Pages;
-use crate::pipelines::{RADIANCE_FORMAT, Relight};
+use crate::pipelines::{RADIANCE_FORMAT, Relight, Shape};
 use crate::sides::Layout;
 
 /// The transfer of every side on the device, and the radiance it has been turned into.
 pub struct GpuTransfer {
     pub pages: Pages,
     pub order: Order,
-    /// Fours of coefficients in a vector.
-    pub quads: usize,
+    pub shape: Shape,
     /// Number of vertices.
     pub vertices: usize,
     /// The vertex of each back side; these sides follow the fronts.
@@ -54,9 +53,8 @@ impl GpuTransfer {
             });
             let uniform = Page {
                 first_row: rows.start,
-                channels: transfer.channels as u32,
-                quads: quads as u32,
-                unused: 0,
+                width_log2: pages.width.ilog2(),
+                unused: [0; 2],
             };
             let uniform = gpu.uniform("page", &uniform);
             let resources = [
@@ -73,7 +71,10 @@ impl GpuTransfer {
         Ok(Self {
             pages,
             order: transfer.order,
-            quads,
+            shape: Shape {
+                channels: transfer.channels,
+                quads,
+            },
             vertices,
             backs: backs.to_vec(),
             radiance: whole(&radiance),
@@ -93,7 +94,6 @@ impl GpuTransfer {
     pub fn relight(
         &self,
         encoder: &mut CommandEncoder,
-        layouts: &Relight,
         light: &GpuLight,
         timestamps: Option<RenderPassTimestampWrites>,
     ) {
@@ -113,7 +113,7 @@ impl GpuTransfer {
             occlusion_query_set: None,
             multiview_mask: None,
         });
-        pass.set_pipeline(light.pipeline(layouts));
+        pass.set_pipeline(&light.pipeline);
         for (i, part) in self.parts.iter().enumerate() {
             pass.set_bind_group(0, &part.bind_group, &[]);
             pass.set_bind_group(1, light.group(i), &[]);

@@ -3,15 +3,22 @@
 //
 // The target holds the bits of floats in unsigned integers: every back end draws to those, and not every one to floats.
 //
-// A side is the front of a vertex, or the back of one on a double-sided surface. Side i lies at texel (i % width, i / width) of the
-// radiance texture. Its transfer vectors, cut into quads of four coefficients, lie below one another in a page: `channels` × `quads`
-// texels, from row (row of the side − first row of the page) × channels × quads.
+// A side is the front of a vertex, or the back of one on a double-sided surface. Side i lies at texel (i % width, i / width) of the radiance
+// texture, and width is a power of two. Its transfer vectors, cut into quads of four coefficients, are `CHANNELS` × `QUADS` texels of a page. Four
+// neighbours take turns: the first quad of each, the second of each, and so on, so that what is read together lies together, and
+// what is read next lies next to it. Groups of four follow one another along the page's rows, which are as wide as those of the radiance
+// texture: a row of sides takes `CHANNELS` × `QUADS` rows.
+
+// What a pipeline is made for. Loops over a number known beforehand are unrolled, and light is read from fixed places.
+override CHANNELS: u32;
+override QUADS: u32;
+override TEXELS: u32 = CHANNELS * QUADS;
 
 struct Page {
+    // Of sides.
     first_row: u32,
-    channels: u32,
-    quads: u32,
-    unused: u32,
+    width_log2: u32,
+    unused: vec2u,
 }
 
 // Coefficients of light, quad by quad: all of red, then green, then blue. 256 quads are order 32.
@@ -34,15 +41,22 @@ fn cover(@builtin(vertex_index) corner: u32) -> @builtin(position) vec4f {
     return vec4f(x, y, 0.0, 1.0);
 }
 
+// Where a quad of a side lies in a page with so many texels to a side.
+fn texel(place: vec2u, texels: u32, quad: u32) -> vec2u {
+    let along = ((place.x >> 2u) * texels + quad) * 4u + (place.x & 3u);
+    let row = along >> page.width_log2;
+    let top = (place.y - page.first_row) * texels;
+    return vec2u(along - (row << page.width_log2), top + row);
+}
+
 // What four coefficients of a side's transfer make of four of light.
 fn response(place: vec2u, quad: u32, red: vec4f, green: vec4f, blue: vec4f) -> vec3f {
-    let row = (place.y - page.first_row) * page.channels * page.quads + quad;
-    let first = textureLoad(transfer, vec2u(place.x, row), 0);
-    if page.channels == 1u {
+    let first = textureLoad(transfer, texel(place, TEXELS, quad), 0);
+    if CHANNELS == 1u {
         return vec3f(dot(first, red), dot(first, green), dot(first, blue));
     }
-    let second = textureLoad(transfer, vec2u(place.x, row + page.quads), 0);
-    let third = textureLoad(transfer, vec2u(place.x, row + 2u * page.quads), 0);
+    let second = textureLoad(transfer, texel(place, TEXELS, QUADS + quad), 0);
+    let third = textureLoad(transfer, texel(place, TEXELS, 2u * QUADS + quad), 0);
     return vec3f(dot(first, red), dot(second, green), dot(third, blue));
 }
 
@@ -50,10 +64,10 @@ fn response(place: vec2u, quad: u32, red: vec4f, green: vec4f, blue: vec4f) -> v
 fn relight_distant(@builtin(position) at: vec4f) -> @location(0) vec4u {
     let place = vec2u(at.xy);
     var sum = vec3f();
-    for (var quad = 0u; quad < page.quads; quad++) {
+    for (var quad = 0u; quad < QUADS; quad++) {
         let red = distant.quads[quad];
-        let green = distant.quads[page.quads + quad];
-        let blue = distant.quads[2u * page.quads + quad];
+        let green = distant.quads[QUADS + quad];
+        let blue = distant.quads[2u * QUADS + quad];
         sum += response(place, quad, red, green, blue);
     }
     return bitcast<vec4u>(vec4f(sum, 1.0));
@@ -64,10 +78,10 @@ fn relight_objects(@builtin(position) at: vec4f) -> @location(0) vec4u {
     let place = vec2u(at.xy);
     let object = textureLoad(objects, place, 0).x;
     var sum = vec3f();
-    for (var quad = 0u; quad < page.quads; quad++) {
+    for (var quad = 0u; quad < QUADS; quad++) {
         let red = textureLoad(light, vec2u(quad, object), 0);
-        let green = textureLoad(light, vec2u(page.quads + quad, object), 0);
-        let blue = textureLoad(light, vec2u(2u * page.quads + quad, object), 0);
+        let green = textureLoad(light, vec2u(QUADS + quad, object), 0);
+        let blue = textureLoad(light, vec2u(2u * QUADS + quad, object), 0);
         sum += response(place, quad, red, green, blue);
     }
     return bitcast<vec4u>(vec4f(sum, 1.0));
@@ -76,12 +90,11 @@ fn relight_objects(@builtin(position) at: vec4f) -> @location(0) vec4u {
 @fragment
 fn relight_vertices(@builtin(position) at: vec4f) -> @location(0) vec4u {
     let place = vec2u(at.xy);
-    let first = (place.y - page.first_row) * 3u * page.quads;
     var sum = vec3f();
-    for (var quad = 0u; quad < page.quads; quad++) {
-        let red = textureLoad(light, vec2u(place.x, first + quad), 0);
-        let green = textureLoad(light, vec2u(place.x, first + page.quads + quad), 0);
-        let blue = textureLoad(light, vec2u(place.x, first + 2u * page.quads + quad), 0);
+    for (var quad = 0u; quad < QUADS; quad++) {
+        let red = textureLoad(light, texel(place, 3u * QUADS, quad), 0);
+        let green = textureLoad(light, texel(place, 3u * QUADS, QUADS + quad), 0);
+        let blue = textureLoad(light, texel(place, 3u * QUADS, 2u * QUADS + quad), 0);
         sum += response(place, quad, red, green, blue);
     }
     return bitcast<vec4u>(vec4f(sum, 1.0));

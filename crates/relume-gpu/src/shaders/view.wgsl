@@ -1,6 +1,14 @@
 // The view pass: surfaces in their radiance, and what stands behind them.
 // CPU twins: relume::display::render (seen), relume::scene::World::surface, relume::display::ToneMap.
 
+// What a pipeline is made for. Being constants, what is not there costs nothing: neither a look at a texture, nor a number that travels
+// from vertex to pixel, nor the early depth test, which drivers give up where a pixel may be discarded.
+override ENCODING: u32;
+override TEXTURED: bool;
+override MASKED: bool;
+override TWO_SIDED: bool;
+override COLORED: bool;
+
 struct View {
     // From the offset of a point from the eye.
     clip_from_offset: mat4x4f,
@@ -12,11 +20,10 @@ struct View {
     // What surfaces show: one of the constants below.
     surface: u32,
     right: vec3f,
-    // How colours are written: one of the constants below.
-    encoding: u32,
+    unused: u32,
     up: vec3f,
-    // Texels in a row of the radiance texture.
-    width: u32,
+    // Texels in a row of the radiance texture: 2 to the power of this.
+    width_log2: u32,
     background_from_world: mat3x3f,
 }
 
@@ -25,16 +32,16 @@ const WHITE = 1u;
 const SIGNED = 2u;
 const ALBEDO = 3u;
 
-// Scene radiance as it is; tone-mapped; tone-mapped and sRGB-encoded.
+// How colours are written: scene radiance as it is; tone-mapped; tone-mapped and sRGB-encoded.
 const RADIANCE = 0u;
 const LINEAR = 1u;
 const ENCODED = 2u;
 
 struct Material {
     base_color: vec4f,
-    // Where alpha is below it there is no surface; negative for opaque materials.
+    // Where alpha is below it there is no surface, if the material is masked.
     cutoff: f32,
-    double_sided: u32,
+    spare: u32,
     unused: vec2u,
 }
 
@@ -58,7 +65,9 @@ struct Seen {
 }
 
 fn radiance_of(side: u32) -> vec3f {
-    let bits = textureLoad(radiance, vec2u(side % view.width, side / view.width), 0);
+    let row = side >> view.width_log2;
+    let place = vec2u(side - (row << view.width_log2), row);
+    let bits = textureLoad(radiance, place, 0);
     return bitcast<vec3f>(bits.rgb);
 }
 
@@ -76,7 +85,7 @@ fn vertex(
     seen.color = color;
     seen.front = radiance_of(index);
     seen.back = vec3f();
-    if back != NO_SIDE {
+    if TWO_SIDED && back != NO_SIDE {
         seen.back = radiance_of(back);
     }
     return seen;
@@ -84,22 +93,27 @@ fn vertex(
 
 @fragment
 fn surface(seen: Seen, @builtin(front_facing) is_front: bool) -> @location(0) vec4f {
-    let color = material.base_color * seen.color * textureSample(base_color, base_color_sampler, seen.uv);
-    if color.a < material.cutoff {
+    var color = material.base_color;
+    if COLORED {
+        color *= seen.color;
+    }
+    if TEXTURED {
+        color *= textureSample(base_color, base_color_sampler, seen.uv);
+    }
+    if MASKED && color.a < material.cutoff {
         discard;
     }
-    var transferred = vec3f();
-    if is_front {
-        transferred = seen.front;
-    } else if material.double_sided != 0u {
-        transferred = seen.back;
+    var transferred = select(vec3f(), seen.front, is_front);
+    if TWO_SIDED {
+        transferred = select(seen.back, seen.front, is_front);
     }
-    switch view.surface {
-        case SIGNED: { return written(signed_color(transferred)); }
-        case WHITE: { return written(transferred); }
-        case ALBEDO: { return written(color.rgb); }
-        default: { return written(color.rgb * transferred); }
+    if view.surface == SIGNED {
+        transferred = signed_color(transferred);
     }
+    let bare = view.surface == WHITE || view.surface == SIGNED;
+    let albedo = select(color.rgb, vec3f(1.0), bare);
+    let light = select(transferred, vec3f(1.0), view.surface == ALBEDO);
+    return written(albedo * light);
 }
 
 // Lines in a colour of their own, over everything.
@@ -143,11 +157,11 @@ fn sky(behind: Behind) -> @location(0) vec4f {
 }
 
 fn written(color: vec3f) -> vec4f {
-    if view.encoding == RADIANCE {
+    if ENCODING == RADIANCE {
         return vec4f(color, 1.0);
     }
     let shown = tone_curve(color);
-    return vec4f(select(shown, srgb_code(shown), view.encoding == ENCODED), 1.0);
+    return vec4f(select(shown, srgb_code(shown), ENCODING == ENCODED), 1.0);
 }
 
 // CPU twin: relume::display::ToneMap::curve [narkowicz2016]. Negative radiance becomes 0.
