@@ -15,6 +15,9 @@ const PERMISSIVE: &[&str] = &[
     "Unicode-DFS-2016",
     "Unlicense",
     "Zlib",
+    // Fonts: any program may carry them; only they themselves stay under these.
+    "OFL-1.1",
+    "Ubuntu-font-1.0",
 ];
 
 /// Checks that the expression can be met with permissive licences alone; the error says why not.
