@@ -28,6 +28,7 @@ fn main() {
 }
 
 /// Says what is wrong, in one line.
+#[allow(clippy::needless_pass_by_value, reason = "for `unwrap_or_else`")]
 fn stop(error: Box<dyn Error>) {
     eprintln!("error: {error}");
     std::process::exit(1);
