@@ -51,6 +51,7 @@ mod offscreen;
 mod pages;
 mod pipelines;
 mod renderer;
+mod ring;
 mod sides;
 mod transfer;
 

@@ -2,11 +2,10 @@
 
 use relume::asset::Precision;
 use relume::light::{IncidentLight, ObjectLight, ShLight, VertexLight};
-use wgpu::{BindGroup, BindingResource, RenderPipeline, TextureFormat, TextureUsages};
+use wgpu::{BindGroup, BindingResource, RenderPass, RenderPipeline, TextureFormat, TextureUsages};
 
 use crate::GpuError;
 use crate::gpu::{Gpu, whole};
-use crate::layouts::DistantLight;
 use crate::pipelines::{Lit, Relight};
 use crate::sides::Layout;
 use crate::transfer::GpuTransfer;
@@ -14,8 +13,17 @@ use crate::transfer::GpuTransfer;
 /// A light as the relight pass reads it.
 pub struct GpuLight {
     pub pipeline: RenderPipeline,
-    /// One for every page of transfer, or one for all.
-    groups: Vec<BindGroup>,
+    bound: Bound,
+}
+
+/// What a light is bound as.
+enum Bound {
+    /// The same for all, at an offset of the ring.
+    Distant(u32),
+    /// Rows of light, and the row of each side.
+    Objects(BindGroup),
+    /// Pages like those of the transfer.
+    Vertices(Vec<BindGroup>),
 }
 
 impl GpuLight {
@@ -26,29 +34,36 @@ impl GpuLight {
         transfer: &GpuTransfer,
         light: &IncidentLight,
     ) -> Result<Self, GpuError> {
-        let (lit, groups) = match light {
+        let (lit, bound) = match light {
             IncidentLight::Distant(light) => {
-                let group = distant(gpu, relight, transfer, light);
-                (Lit::Distant, vec![group])
+                let offset = distant(gpu, relight, transfer, light);
+                (Lit::Distant, Bound::Distant(offset))
             }
             IncidentLight::PerObject(objects) => {
                 let group = by_object(gpu, relight, transfer, objects)?;
-                (Lit::Objects, vec![group])
+                (Lit::Objects, Bound::Objects(group))
             }
             IncidentLight::PerVertex(light) => {
-                (Lit::Vertices, by_vertex(gpu, relight, transfer, light)?)
+                let groups = by_vertex(gpu, relight, transfer, light)?;
+                (Lit::Vertices, Bound::Vertices(groups))
             }
             _ => return Err(GpuError::UnknownLight),
         };
         Ok(Self {
             pipeline: relight.pipeline(&gpu.device, lit, transfer.shape),
-            groups,
+            bound,
         })
     }
 
-    /// What a page of transfer is lit with.
-    pub fn group(&self, page: usize) -> &BindGroup {
-        &self.groups[page.min(self.groups.len() - 1)]
+    /// Binds what a page of transfer is lit with.
+    pub fn bind(&self, pass: &mut RenderPass, relight: &Relight, page: usize) {
+        match &self.bound {
+            Bound::Distant(offset) => {
+                pass.set_bind_group(1, &relight.distant.bind_group, &[*offset]);
+            }
+            Bound::Objects(group) => pass.set_bind_group(1, group, &[]),
+            Bound::Vertices(groups) => pass.set_bind_group(1, &groups[page], &[]),
+        }
     }
 }
 
@@ -62,15 +77,11 @@ fn write_planes(light: &ShLight, quads: usize, planes: &mut [[f32; 4]]) {
     }
 }
 
-fn distant(gpu: &Gpu, layouts: &Relight, transfer: &GpuTransfer, light: &ShLight) -> BindGroup {
-    let mut planes = DistantLight {
-        quads: [[0.0; 4]; DistantLight::QUADS],
-    };
-    let light = light.resized(transfer.order);
-    write_planes(&light, transfer.shape.quads, &mut planes.quads);
-    let uniform = gpu.uniform("distant light", &planes);
-    let resources = [(0, uniform.as_entire_binding())];
-    gpu.group("distant light", layouts.light(Lit::Distant), resources)
+fn distant(gpu: &Gpu, relight: &mut Relight, transfer: &GpuTransfer, light: &ShLight) -> u32 {
+    let quads = transfer.shape.quads;
+    let mut planes = vec![[0.0; 4]; 3 * quads];
+    write_planes(&light.resized(transfer.order), quads, &mut planes);
+    relight.distant.write(gpu, bytemuck::cast_slice(&planes))
 }
 
 fn by_object(

@@ -9,7 +9,9 @@ use wgpu::{
     TextureFormat, TextureSampleType, TextureViewDimension,
 };
 
+use crate::gpu::Gpu;
 use crate::layouts::{DistantLight, Material, Page, Vertex, View, encoding};
+use crate::ring::Ring;
 use crate::{DEPTH_FORMAT, Target};
 
 /// The relight pass.
@@ -26,6 +28,8 @@ pub struct Relight {
     pub page: BindGroupLayout,
     /// For [`Lit::Distant`], [`Lit::Objects`] and [`Lit::Vertices`].
     lights: [BindGroupLayout; 3],
+    /// Lights for all.
+    pub distant: Ring,
     /// Those that were asked for.
     pipelines: Vec<((Lit, Shape), RenderPipeline)>,
 }
@@ -70,19 +74,22 @@ pub struct Kind {
 }
 
 impl Relight {
-    pub fn new(device: &Device) -> Self {
+    pub fn new(gpu: &Gpu) -> Self {
+        let device = &gpu.device;
         let page = [
             uniform::<Page>(0, ShaderStages::FRAGMENT, false),
             texture(1, ShaderStages::FRAGMENT, EXACT),
         ];
-        let distant = uniform::<DistantLight>(0, ShaderStages::FRAGMENT, false);
+        let distant = uniform::<DistantLight>(0, ShaderStages::FRAGMENT, true);
         let light = texture(1, ShaderStages::FRAGMENT, EXACT);
         let objects = texture(2, ShaderStages::FRAGMENT, TextureSampleType::Uint);
+        let distant = layout(device, "distant light", &[distant]);
         Self {
             shader: shader(device, "relight", RELIGHT),
             page: layout(device, "page", &page),
+            distant: Ring::new(gpu, "distant light", &distant, size_of::<DistantLight>()),
             lights: [
-                layout(device, "distant light", &[distant]),
+                distant,
                 layout(device, "light by object", &[light, objects]),
                 layout(device, "light by vertex", &[light]),
             ],

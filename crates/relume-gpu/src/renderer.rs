@@ -5,7 +5,7 @@ use relume::asset::Transfer;
 use relume::display::Camera;
 use relume::light::{Environment, IncidentLight};
 use relume::scene::World;
-use wgpu::{BindGroup, BindingResource, Buffer, Device, Queue, RenderPass};
+use wgpu::{BindGroup, BindingResource, Device, Queue, RenderPass};
 
 use crate::background::Background;
 use crate::gpu::Gpu;
@@ -14,23 +14,16 @@ use crate::light::GpuLight;
 use crate::material::{self, GpuMaterial};
 use crate::mesh::Mesh;
 use crate::pipelines::{Relight, ViewPass};
+use crate::ring::Ring;
 use crate::transfer::GpuTransfer;
 use crate::{GpuError, Look, Target};
-
-/// Views that may be drawn between two submissions to the queue.
-const VIEWS: u32 = 16;
-/// Offsets of uniforms are multiples of this on every device.
-const ALIGNMENT: u32 = 256;
 
 /// Draws one baked scene in changing light.
 pub struct Renderer {
     gpu: Gpu,
     relight: Relight,
     view: ViewPass,
-    /// A ring of uniforms, one for each view.
-    views: Buffer,
-    views_group: BindGroup,
-    next_view: u32,
+    views: Ring,
     background: Option<Background>,
     scene: Option<Scene>,
 }
@@ -53,25 +46,11 @@ impl Renderer {
             queue: queue.clone(),
         };
         let view = ViewPass::new(device, target);
-        let views = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("views"),
-            size: u64::from(VIEWS * ALIGNMENT),
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let one = BindingResource::Buffer(wgpu::BufferBinding {
-            buffer: &views,
-            offset: 0,
-            size: wgpu::BufferSize::new(size_of::<View>() as u64),
-        });
-        let views_group = gpu.group("views", &view.view, [(0, one)]);
         Self {
-            relight: Relight::new(device),
+            relight: Relight::new(&gpu),
+            views: Ring::new(&gpu, "views", &view.view, size_of::<View>()),
             gpu,
             view,
-            views,
-            views_group,
-            next_view: 0,
             background: None,
             scene: None,
         }
@@ -150,7 +129,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// Uploads the light that the next [`Self::relight`] uses, cut or padded to the order of the transfer.
+    /// Uploads the light that the next [`Self::relight`] uses, cut or padded to the order of the transfer. At most 16 times between two
+    /// submissions.
     ///
     /// # Errors
     /// No scene, or a light of another one.
@@ -170,7 +150,9 @@ impl Renderer {
         if let Some(scene) = &self.scene
             && let Some(light) = &scene.light
         {
-            scene.transfer.relight(encoder, light, timestamps);
+            scene
+                .transfer
+                .relight(encoder, &self.relight, light, timestamps);
         }
     }
 
@@ -200,12 +182,8 @@ impl Renderer {
             .as_ref()
             .map_or(DMat3::IDENTITY, |b| b.world_from_light);
         let uniform = look.uniform(camera, width, turned)?;
-        let offset = self.next_view * ALIGNMENT;
-        self.next_view = (self.next_view + 1) % VIEWS;
-        self.gpu
-            .queue
-            .write_buffer(&self.views, offset.into(), bytemuck::bytes_of(&uniform));
-        pass.set_bind_group(0, &self.views_group, &[offset]);
+        let offset = self.views.write(&self.gpu, bytemuck::bytes_of(&uniform));
+        pass.set_bind_group(0, &self.views.bind_group, &[offset]);
         if let Some(scene) = &self.scene {
             self.draw_scene(pass, scene, look.wireframe)?;
         }

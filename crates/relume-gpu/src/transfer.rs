@@ -94,6 +94,7 @@ impl GpuTransfer {
     pub fn relight(
         &self,
         encoder: &mut CommandEncoder,
+        layouts: &Relight,
         light: &GpuLight,
         timestamps: Option<RenderPassTimestampWrites>,
     ) {
@@ -116,7 +117,7 @@ impl GpuTransfer {
         pass.set_pipeline(&light.pipeline);
         for (i, part) in self.parts.iter().enumerate() {
             pass.set_bind_group(0, &part.bind_group, &[]);
-            pass.set_bind_group(1, light.group(i), &[]);
+            light.bind(&mut pass, layouts, i);
             let (top, rows) = (part.rows.start as f32, part.rows.len() as f32);
             pass.set_viewport(0.0, top, self.pages.width as f32, rows, 0.0, 1.0);
             pass.draw(0..3, 0..1);
