@@ -48,6 +48,7 @@ mod look;
 mod material;
 mod mesh;
 mod offscreen;
+mod order;
 mod pages;
 mod pipelines;
 mod renderer;

@@ -8,8 +8,9 @@ use wgpu::{Buffer, BufferUsages, Device};
 
 use crate::GpuError;
 use crate::layouts::{NO_SIDE, Vertex};
+use crate::order;
 
-/// A world's triangles, sorted by material.
+/// A world's triangles, sorted by material, neighbours together.
 pub struct Mesh {
     pub vertices: Buffer,
     pub triangles: Buffer,
@@ -28,7 +29,7 @@ pub struct Edges {
 impl Mesh {
     /// Uploads `world`; `backs` are the vertices that have a back side, whose sides follow the fronts.
     pub fn new(device: &Device, world: &World, backs: &[u32]) -> Result<Self, GpuError> {
-        let mut order: Vec<usize> = (0..world.triangles.len()).collect();
+        let mut order = order::by_neighbours(&world.triangles, world.positions.len());
         order.sort_by_key(|&triangle| world.triangle_materials[triangle]);
         let indices: Vec<[u32; 3]> = order.iter().map(|&t| world.triangles[t]).collect();
         let mut groups: Vec<(usize, std::ops::Range<u32>)> = Vec::new();

@@ -8,6 +8,9 @@ use relume_gpu::{DEPTH_FORMAT, Target};
 use wgpu::util::DeviceExt;
 use wgpu::{BindGroup, Buffer, BufferUsages, Device, RenderPass, RenderPipeline};
 
+#[path = "../../src/order.rs"]
+mod order;
+
 /// A mesh and the pipeline that draws it.
 pub struct Lambert {
     pipeline: RenderPipeline,
@@ -47,6 +50,9 @@ impl Lambert {
             albedo: 0.5,
         };
         let frame = buffer(bytemuck::bytes_of(&frame), BufferUsages::UNIFORM);
+        // In the order in which the renderer draws them, which must not count for it.
+        let order = order::by_neighbours(&world.triangles, world.positions.len());
+        let triangles: Vec<[u32; 3]> = order.into_iter().map(|i| world.triangles[i]).collect();
         let pipeline = pipeline(device, target);
         let group = wgpu::BindGroupDescriptor {
             label: Some("lambert"),
@@ -61,7 +67,7 @@ impl Lambert {
             pipeline,
             positions: buffer(bytemuck::cast_slice(&world.positions), BufferUsages::VERTEX),
             normals: buffer(bytemuck::cast_slice(&world.normals), BufferUsages::VERTEX),
-            triangles: buffer(bytemuck::cast_slice(&world.triangles), BufferUsages::INDEX),
+            triangles: buffer(bytemuck::cast_slice(&triangles), BufferUsages::INDEX),
             indices: 3 * world.triangles.len() as u32,
         })
     }
