@@ -51,12 +51,14 @@ impl Display {
         })
     }
 
-    /// Runs the viewer on it until it ends.
+    /// Runs the viewer on it until it ends. Wayland's library, which Mesa asks as well, minds in a line of its own
+    /// when there is no folder for what runs.
     fn view(&self, folder: &Path, line: &str) -> Output {
         Command::new(env!("CARGO_BIN_EXE_relume-viewer"))
             .args(line.split_whitespace())
             .current_dir(folder)
             .env("DISPLAY", &self.name)
+            .env("XDG_RUNTIME_DIR", folder)
             .env_remove("WAYLAND_DISPLAY")
             .output()
             .unwrap()
