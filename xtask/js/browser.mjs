@@ -1,12 +1,13 @@
 // Tests of the viewer's page in Chromium: `cargo xtask test --only browser` builds, serves and calls it.
 //
 // RELUME_PAGE is the page's address, RELUME_GALLERY the folder of its scenes, RELUME the program whose pictures it is compared with,
-// RELUME_PICTURES a folder for pictures, RELUME_CHROMIUM the browser. Arguments are parts of the names of tests to run, all unless given.
+// RELUME_PICTURES a folder for pictures, RELUME_CHROMIUM the browser; RELUME_THREE and RELUME_THREE_FOLDER are where the three.js example is. Arguments are parts of the names of tests to run, all unless given.
 import { close } from "./chromium.mjs";
 import { runAll } from "./harness.mjs";
 import * as files from "./test_files.mjs";
 import * as looks from "./test_looks.mjs";
 import * as start from "./test_start.mjs";
+import * as example from "./test_three.mjs";
 import * as use from "./test_use.mjs";
 
 /** Ways to draw: as they are called in chromium.mjs. */
@@ -35,6 +36,7 @@ const TESTS = [
   ["keys move the camera and change the look", ONE, use.keys],
   ["dragging with shift turns the light", BOTH, use.turnsLight],
   ["five hundred lights take no memory", BOTH, use.keepsMemory],
+  ["the three js example draws what relume render draws", ONE, example.three],
 ];
 
 const wanted = process.argv.slice(2);

@@ -43,7 +43,7 @@ export async function close() {
 }
 
 /** Where the browser named by RELUME_CHROMIUM is on the path. */
-async function program() {
+export async function program() {
   const { execFileSync } = await import("node:child_process");
   const name = process.env.RELUME_CHROMIUM ?? "chromium";
   return execFileSync("/bin/sh", ["-c", 'command -v "$1"', "sh", name], { encoding: "utf8" }).trim();

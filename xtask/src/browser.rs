@@ -6,11 +6,27 @@ use std::process::{Child, Stdio};
 
 use crate::context::Context;
 use crate::libtest::Libtest;
+use crate::need::Need;
 use crate::tally::Tally;
-use crate::{js, process, web};
+use crate::{js, process, test, web};
 
 /// The browser.
-pub const CHROMIUM: &str = "chromium";
+const CHROMIUM: &str = "chromium";
+
+/// For the page, its server and the browser.
+pub const NEEDS: &[Need] = &[
+    Need::Target(test::WASM),
+    test::NODE,
+    test::NPM,
+    Need::NodeModules,
+    Need::Program {
+        name: CHROMIUM,
+        debian: "chromium",
+    },
+];
+
+/// Where the example for three.js lies in the repository.
+const THREE: &str = "examples/three";
 
 /// Builds the page and the program, whose pictures it is compared with, and counts the tests.
 pub fn run(context: &Context) -> Result<Tally, String> {
@@ -26,6 +42,8 @@ pub fn run(context: &Context) -> Result<Tally, String> {
             return Ok(Tally::failure(what));
         }
     }
+    let three = served.join("three");
+    lay_out_three(context, &three)?;
     let server = Server::start(context, &served)?;
     let mut node = js::node(context, "browser.mjs")?;
     node.env("RELUME", context.relume("debug"))
@@ -33,10 +51,45 @@ pub fn run(context: &Context) -> Result<Tally, String> {
         .env("RELUME_GALLERY", page.join("gallery"))
         .env("RELUME_PICTURES", context.target.join("browser"))
         .env("RELUME_CHROMIUM", CHROMIUM)
+        .env("RELUME_THREE", format!("{}three/", server.url))
+        .env("RELUME_THREE_FOLDER", three)
         .envs(context.runtime_folder()?);
     let mut libtest = Libtest::default();
     let status = process::stream(&mut node, |line| libtest.line(line))?;
     Ok(libtest.finish(status.success()))
+}
+
+/// Builds the page as people get it, and prints how long it takes to its first picture; whether all went well.
+pub fn first_picture(context: &Context) -> Result<bool, String> {
+    let mut build = web::package(context);
+    let server = context.cargo("build --locked -p xtask-web");
+    for command in [build.arg("build"), &mut { server }] {
+        if !process::succeeds(command)? {
+            return Ok(false);
+        }
+    }
+    let server = Server::start(context, &context.target.join("web"))?;
+    let mut node = js::node(context, "first_picture.mjs")?;
+    node.env("RELUME_PAGE", &server.url)
+        .env("RELUME_CHROMIUM", CHROMIUM)
+        .envs(context.runtime_folder()?);
+    process::succeeds(&mut node)
+}
+
+/// Copies the example, and of three.js what it imports.
+fn lay_out_three(context: &Context, to: &Path) -> Result<(), String> {
+    js::copy_files(&context.root.join(THREE), to)?;
+    let package = Path::new("node_modules/three");
+    let parts = [
+        "build",
+        "examples/jsm/controls",
+        "examples/jsm/loaders",
+        "examples/jsm/utils",
+    ];
+    for part in parts.map(|part| package.join(part)) {
+        js::copy_files(&js::folder(context).join(&part), &to.join(&part))?;
+    }
+    Ok(())
 }
 
 /// A server that ends with this value.

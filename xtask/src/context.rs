@@ -73,10 +73,11 @@ impl Context {
         self.target.join(profile).join(name)
     }
 
-    /// `XDG_RUNTIME_DIR` for programs that draw, where the system sets none: Mesa's EGL complains without.
+    /// `XDG_RUNTIME_DIR` for programs that draw, where the system has none: Mesa's EGL complains without.
     pub fn runtime_folder(&self) -> Result<Option<(&'static str, PathBuf)>, String> {
         const NAME: &str = "XDG_RUNTIME_DIR";
-        if std::env::var_os(NAME).is_some() || !cfg!(unix) {
+        let is_there = std::env::var_os(NAME).is_some_and(|folder| Path::new(&folder).is_dir());
+        if is_there || !cfg!(unix) {
             return Ok(None);
         }
         let folder = self.target.join("runtime");

@@ -1,6 +1,6 @@
 //! The JavaScript of xtask/js and its packages, under target/js.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::context::Context;
@@ -37,15 +37,20 @@ fn sources(context: &Context) -> PathBuf {
     context.root.join("xtask/js")
 }
 
-fn folder(context: &Context) -> PathBuf {
+/// Where they lie.
+pub fn folder(context: &Context) -> PathBuf {
     context.target.join("js")
 }
 
 fn copy_sources(context: &Context) -> Result<(), String> {
-    let (from, to) = (sources(context), folder(context));
+    copy_files(&sources(context), &folder(context))
+}
+
+/// Copies the files of a folder, not those of folders in it.
+pub fn copy_files(from: &Path, to: &Path) -> Result<(), String> {
     let failed = |error| format!("copying {} to {}: {error}", from.display(), to.display());
-    std::fs::create_dir_all(&to).map_err(failed)?;
-    for entry in std::fs::read_dir(&from).map_err(failed)? {
+    std::fs::create_dir_all(to).map_err(failed)?;
+    for entry in std::fs::read_dir(from).map_err(failed)? {
         let path = entry.map_err(failed)?.path();
         if path.is_file() {
             let name = path.file_name().unwrap_or_default();

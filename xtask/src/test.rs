@@ -26,11 +26,11 @@ const SOFTWARE_GPU: Need = Need::Packages {
     debian: "mesa-vulkan-drivers libvulkan1 libegl1 libgl1-mesa-dri libegl-mesa0 libgles2 \
              xvfb libxkbcommon-x11-0 libxcursor1 libxi6 libxrandr2",
 };
-const NODE: Need = Need::Program {
+pub const NODE: Need = Need::Program {
     name: "node",
     debian: "nodejs",
 };
-const NPM: Need = Need::Program {
+pub const NPM: Need = Need::Program {
     name: "npm",
     debian: "npm",
 };
@@ -127,17 +127,8 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "browser",
-        what: "the viewer's page in Chromium, with WebGPU and with WebGL2",
-        needs: &[
-            Need::Target(WASM),
-            NODE,
-            NPM,
-            Need::NodeModules,
-            Need::Program {
-                name: browser::CHROMIUM,
-                debian: "chromium",
-            },
-        ],
+        what: "the viewer's page in Chromium, with WebGPU and with WebGL2, and the three.js example",
+        needs: browser::NEEDS,
         wants: &[],
         run: browser::run,
     },

@@ -107,7 +107,7 @@ fn program(context: &Context) -> Result<bool, String> {
 }
 
 /// Those of the meshes that are there; the others are named.
-fn meshes(context: &Context, names: &[&str]) -> Vec<PathBuf> {
+pub fn meshes(context: &Context, names: &[&str]) -> Vec<PathBuf> {
     let find = |name: &&str| {
         let found = context.shared(&format!("data/meshes/{name}"));
         if found.is_none() {

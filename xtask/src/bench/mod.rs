@@ -1,6 +1,7 @@
 //! `cargo xtask bench [NAME]`: figures against other programs, on release builds. Nothing here passes or fails.
 
 mod bakes;
+mod frames;
 mod kernels;
 mod table;
 
@@ -10,7 +11,7 @@ use crate::context::Context;
 use crate::need::{Missing, Need, provide};
 use crate::options::Options;
 use crate::python::Environment;
-use crate::{process, step};
+use crate::{browser, process, step};
 use table::{Row, Table};
 
 /// Where Mitsuba is installed.
@@ -76,6 +77,18 @@ const BENCHES: &[Bench] = &[
         what: "time and memory against vertices, rays, bounces and threads",
         needs: &[Need::Python],
         run: bakes::growth,
+    },
+    Bench {
+        name: "frames",
+        what: "frame times with the light turning, against the same mesh under a plain Lambert shader",
+        needs: &[],
+        run: frames::frames,
+    },
+    Bench {
+        name: "page",
+        what: "the viewer's page: from its opening to the first lit picture, in Chromium",
+        needs: browser::NEEDS,
+        run: frames::page,
     },
     Bench {
         name: "mitsuba",

@@ -12,6 +12,7 @@ mod stopwatch;
 
 use std::error::Error;
 use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
 
 use glam::DMat3;
 use relume::asset::Transfer;
@@ -32,8 +33,8 @@ const TARGET: Target = Target {
     format: TextureFormat::Rgba8UnormSrgb,
     samples: 1,
 };
-/// Frames before the clock counts: shaders are compiled when they are first used.
-const WARM_UP: usize = 5;
+/// Before the clock counts: shaders are compiled when they are first used, and caches, memory pages and clocks take their time.
+const WARM_UP: Duration = Duration::from_secs(6);
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -114,12 +115,16 @@ impl Bench {
 
     fn run(&mut self, light: &ShLight, frames: usize) -> Result<Times, Box<dyn Error>> {
         let mut times = Times::default();
-        for i in 0..WARM_UP + frames {
-            let turn = DMat3::from_rotation_y(0.02 * i as f64);
+        let start = Instant::now();
+        for i in 0.. {
+            let turn = DMat3::from_rotation_y(0.02 * f64::from(i));
             let mut turned = Times::default();
             self.turn(light, turn, &mut turned)?;
-            if i >= WARM_UP {
+            if start.elapsed() > WARM_UP {
                 times.extend(turned);
+            }
+            if times.frame.len() >= frames {
+                break;
             }
         }
         Ok(times)

@@ -24,7 +24,7 @@ pub fn show(viewer: &mut Viewer, context: &egui::Context) {
                             Weight::Error => ui.visuals().error_fg_color,
                         };
                         ui.colored_label(color, &message.text);
-                        if ui.small_button("✕").on_hover_text("close").clicked() {
+                        if ui.small_button("×").on_hover_text("close").clicked() {
                             closed = Some(i);
                         }
                     });
