@@ -75,6 +75,19 @@ impl Euler {
         Self { a, b, c }
     }
 
+    /// The rotation back.
+    pub fn inverse(&self) -> Self {
+        let back = |angle: Angle| Angle {
+            sin: -angle.sin,
+            ..angle
+        };
+        Self {
+            a: back(self.c),
+            b: back(self.b),
+            c: back(self.a),
+        }
+    }
+
     /// Where x, y and z go.
     pub fn matrix(&self) -> DMat3 {
         let about_z = |angle: Angle| {

@@ -11,6 +11,7 @@
 //! | `project` | function → coefficients → function | [`project()`], [`project_samples`], [`evaluate`], [`evaluate_rgb`] |
 //! | `rotate` | rotation of an expansion by a matrix | [`Rotation`], [`turn`] |
 //! | `euler` | rotation of many expansions, each by angles of its own | [`EulerRotation`], [`Euler`] |
+//! | `hemisphere` | the fit of a function that only a hemisphere sees | [`Hemisphere`] |
 //! | `product` | the expansion of a product, triple products | [`Product`] |
 //! | `zonal` | lobes about an axis, convolution with them | [`Zonal`] |
 //! | `window` | against ringing | [`Window`], [`hann`], [`gauss`] |
@@ -35,6 +36,7 @@ mod convention;
 mod euler;
 #[cfg(test)]
 mod fixtures;
+mod hemisphere;
 mod order;
 mod product;
 mod project;
@@ -46,6 +48,7 @@ mod zonal;
 
 pub use convention::{Convention, UnknownConvention};
 pub use euler::{Angle, Euler, EulerRotation};
+pub use hemisphere::Hemisphere;
 pub use order::{Order, OrderError, index};
 pub use product::{Entry, Product};
 pub use project::{evaluate, evaluate_rgb, project, project_samples};
