@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::intersect::{Caster, Hit};
 use super::rng::Pcg32;
+use crate::brdf::cosine_sample;
 
 /// A path that left the scene.
 #[derive(Clone, Copy, Debug)]
@@ -62,22 +63,8 @@ pub fn reflecting_side(caster: &Caster<'_>, hit: &Hit, direction: DVec3) -> Opti
 }
 
 /// The cosine-distributed direction about the unit vector `normal` for a point of the unit square: density cosθ/π.
-///
-/// Disc by the concentric map [shirley1997], then projected up to the hemisphere.
 pub fn cosine_direction(normal: DVec3, u: f64, v: f64) -> DVec3 {
-    let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
-    let (radius, angle) = if a == 0.0 && b == 0.0 {
-        (0.0, 0.0)
-    } else if a.abs() > b.abs() {
-        (a, std::f64::consts::FRAC_PI_4 * (b / a))
-    } else {
-        (
-            b,
-            std::f64::consts::FRAC_PI_2 - std::f64::consts::FRAC_PI_4 * (a / b),
-        )
-    };
-    let (sin, cos) = libm::sincos(angle);
-    let up = (1.0 - radius * radius).max(0.0).sqrt();
+    let local = cosine_sample(u, v);
     let (tangent, bitangent) = normal.any_orthonormal_pair();
-    tangent * (radius * cos) + bitangent * (radius * sin) + normal * up
+    tangent * local.x + bitangent * local.y + normal * local.z
 }
