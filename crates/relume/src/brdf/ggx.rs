@@ -20,7 +20,9 @@ use super::lobe::GgxLobe;
 ///
 /// Reciprocal. A metal's albedo is at most 1. A dielectric's is not: its two layers share light by the angle to the half vector, which
 /// is right for each pair of directions but not for their sum, so that a smooth white one, seen from a grazing angle, mirrors nearly
-/// all light and scatters nearly all again. The tests hold what it comes to.
+/// all light and scatters nearly all again: seen from 89.4° it reflects 1.88 times what it receives at roughness 0, 1.71 at 0.1, 1.33 at
+/// 0.3, 1.06 at 0.6; seen from above never more than 1. A white metal loses light instead, what would be reflected between its facets:
+/// seen from above it reflects 1.00 at roughness 0.1, 0.99 at 0.3, 0.82 at 0.6, 0.31 at 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ggx {
     /// c: the albedo of the dielectric, the colour of the metal seen from above; linear Rec. 709.

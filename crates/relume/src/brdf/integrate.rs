@@ -11,8 +11,12 @@ use crate::basis::gauss_legendre;
 const NODES: usize = 8;
 /// Each panel is so much smaller than its neighbour farther from the highlight.
 const RATIO: f64 = 1.0 / 3.0;
-/// The innermost panel is `RATIO` to this power of the whole: 0.01° of a right angle.
-const LEVELS: i32 = 8;
+/// The innermost panel in polar angle is `RATIO` to this power of the whole: 0.04° of a right angle.
+const POLAR_LEVELS: u32 = 7;
+/// The same of half a turn, 0.0003°: seen from a grazing angle of cosine c a highlight is narrower across by c.
+const AZIMUTH_LEVELS: u32 = 12;
+/// No panel is wider than this, for what is not about the mirror direction: the ridges of an anisotropic highlight.
+const WIDEST: f64 = PI / 6.0;
 
 /// A product rule in polar angle and longitude, its panels graded toward the mirror image of a direction and toward the horizon.
 ///
@@ -33,7 +37,10 @@ impl HemisphereRule {
         let phi = libm::atan2(-outgoing.y, -outgoing.x);
         let rule = gauss_legendre(NODES);
         let mut thetas = Vec::new();
-        for panel in graded(theta, 0.0).chain(doubly_graded(theta, FRAC_PI_2)) {
+        let middle = (theta + FRAC_PI_2) / 2.0;
+        let below =
+            graded(theta, middle, POLAR_LEVELS).chain(graded(FRAC_PI_2, middle, POLAR_LEVELS));
+        for panel in graded(theta, 0.0, POLAR_LEVELS).chain(below) {
             push(&mut thetas, &rule, panel);
         }
         for (angle, weight) in &mut thetas {
@@ -41,7 +48,7 @@ impl HemisphereRule {
         }
         let mut phis = Vec::new();
         for end in [phi - PI, phi + PI] {
-            for panel in graded(phi, end) {
+            for panel in graded(phi, end, AZIMUTH_LEVELS) {
                 push(&mut phis, &rule, panel);
             }
         }
@@ -63,26 +70,25 @@ impl HemisphereRule {
 }
 
 /// Panels from `centre` to `end`, the smallest at the centre.
-fn graded(centre: f64, end: f64) -> impl Iterator<Item = (f64, f64)> {
-    (0..=LEVELS).map(move |level| {
+fn graded(centre: f64, end: f64, levels: u32) -> impl Iterator<Item = (f64, f64)> {
+    (0..=levels).map(move |level| {
         let far = libm::pow(RATIO, f64::from(level));
-        let near = if level < LEVELS { far * RATIO } else { 0.0 };
+        let near = if level < levels { far * RATIO } else { 0.0 };
         let at = |share: f64| centre + (end - centre) * share;
         (at(near), at(far))
     })
 }
 
-/// Panels between two points, smallest at either.
-fn doubly_graded(a: f64, b: f64) -> impl Iterator<Item = (f64, f64)> {
-    let middle = (a + b) / 2.0;
-    graded(a, middle).chain(graded(b, middle))
-}
-
+/// Adds a panel to a rule, in parts where it is wide.
 fn push(rule: &mut Vec<(f64, f64)>, gauss: &[(f64, f64)], (a, b): (f64, f64)) {
-    let (middle, half) = ((a + b) / 2.0, (b - a).abs() / 2.0);
-    rule.extend(
-        gauss
-            .iter()
-            .map(|&(x, weight)| (middle + half * x, half * weight)),
-    );
+    let parts = ((b - a).abs() / WIDEST).ceil().max(1.0);
+    let half = (b - a) / (2.0 * parts);
+    for part in 0..parts as u32 {
+        let middle = a + half * (2.0 * f64::from(part) + 1.0);
+        rule.extend(
+            gauss
+                .iter()
+                .map(|&(x, weight)| (middle + half * x, half.abs() * weight)),
+        );
+    }
 }

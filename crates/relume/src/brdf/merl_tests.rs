@@ -114,8 +114,9 @@ fn a_measured_phong_is_phong_but_for_its_steps() {
     let brdf = Brdf::from(measured(&phong));
     for view in [DVec3::Z, DVec3::new(0.6, 0.0, 0.8)] {
         let (found, expected) = (brdf.albedo(view).x, phong.albedo(view).x);
+        // Between half angles of 0° and 45°, where the lobe is, there are some 60 steps; the middle of one is not its mean.
         assert!(
-            (found - expected).abs() < 0.01 * expected,
+            (found - expected).abs() < 0.02 * expected,
             "{found} {expected}"
         );
     }

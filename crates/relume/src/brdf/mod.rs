@@ -118,7 +118,7 @@ impl Brdf {
 
     /// Directional-hemispherical reflectance, `∫ f(i, o) cosθ_i di`: radiance toward `outgoing` under constant light of radiance 1.
     ///
-    /// By the quadrature of [`HemisphereRule`], which shares nothing with [`Brdf::sample`]; some 25 000 evaluations.
+    /// By the quadrature of [`HemisphereRule`], which shares nothing with [`Brdf::sample`]; some 60 000 evaluations.
     pub fn albedo(&self, outgoing: DVec3) -> DVec3 {
         if outgoing.z <= 0.0 {
             return DVec3::ZERO;

@@ -7,18 +7,20 @@ use glam::{DVec3, Vec3};
 use super::Brdf;
 use super::fitted::Fitted;
 use super::hemisphere::spherical;
+use crate::basis::gauss_legendre;
 
 /// The finest grids there are: of an isotropic BRDF (13 MB) and of an anisotropic one (66 MB).
 pub const MAX_RESOLUTION: (usize, usize) = (64, 24);
-
-/// Directions at the horizon are tabulated at this cosine: models grow without bound where both directions lie in it.
-const LEAST_COSINE: f64 = 1e-3;
 
 /// Values on a grid of angles, interpolated linearly.
 ///
 /// With resolution n there are n + 1 polar angles from 0 to π/2 for each direction, and 4n differences of their azimuths; the table of
 /// an anisotropic BRDF has 4n azimuths of the outgoing direction besides. All steps are π/(2n), so a highlight narrower than that is
 /// blurred. An isotropic table is as reciprocal as what it was made of.
+///
+/// Directions in the horizon have the values of half a step above it, since models grow without bound where both directions lie in it.
+/// A highlight that gets narrower than the grid toward grazing angles would gain light by being blurred: where a direction's albedo
+/// comes out above both 1 and that of the original, all values for that direction are scaled down.
 pub struct Table {
     resolution: usize,
     /// Azimuths of the outgoing direction: 1, or 4n.
@@ -36,7 +38,7 @@ impl Table {
         let n = resolution.clamp(2, if isotropic { most } else { most_anisotropic });
         let turns = if isotropic { 1 } else { 4 * n };
         let step = FRAC_PI_2 / n as f64;
-        let last = libm::acos(LEAST_COSINE);
+        let last = FRAC_PI_2 - step / 2.0;
         let at = |polar: usize, azimuth: usize| {
             spherical((step * polar as f64).min(last), step * azimuth as f64)
         };
@@ -59,11 +61,44 @@ impl Table {
             };
             along(0.0).max(along(FRAC_PI_2))
         };
-        Self {
+        let mut table = Self {
             resolution: n,
             turns,
             values,
             fitted: Fitted::to(profile),
+        };
+        table.bound(|polar, turn| brdf.albedo(at(polar, turn)));
+        table
+    }
+
+    /// Scales down what would reflect more than all light and more than the original, whose albedo at a node is `original`.
+    fn bound(&mut self, original: impl Fn(usize, usize) -> DVec3) {
+        let n = self.resolution;
+        let weights = polar_weights(n);
+        let mut scales = Vec::with_capacity(self.turns * (n + 1));
+        for (row, values) in self.values.chunks_exact((n + 1) * 4 * n).enumerate() {
+            let mut albedo = DVec3::ZERO;
+            for (values, weight) in values.chunks_exact(4 * n).zip(&weights) {
+                let sum: DVec3 = values.iter().map(|&v| Vec3::from(v).as_dvec3()).sum();
+                albedo += sum * *weight;
+            }
+            scales.push(if albedo.max_element() > 1.0 {
+                let most = original(row % (n + 1), row / (n + 1)).max(DVec3::ONE);
+                (most / albedo).min(DVec3::ONE).min_element()
+            } else {
+                1.0
+            });
+        }
+        // The lesser of the scales of both directions, so that exchanging them still changes nothing.
+        for (row, values) in self.values.chunks_exact_mut((n + 1) * 4 * n).enumerate() {
+            let turn = row / (n + 1);
+            for (incident, values) in values.chunks_exact_mut(4 * n).enumerate() {
+                for (difference, value) in values.iter_mut().enumerate() {
+                    let turn = (turn + difference) % self.turns;
+                    let scale = scales[row].min(scales[turn * (n + 1) + incident]);
+                    *value = value.map(|x| (f64::from(x) * scale) as f32);
+                }
+            }
         }
     }
 
@@ -110,6 +145,22 @@ impl Table {
     pub(super) fn pdf(&self, incident: DVec3, outgoing: DVec3) -> f64 {
         self.fitted.pdf(incident, outgoing)
     }
+}
+
+/// What the value at each polar node counts in an integral of value × cosine, interpolated linearly: `∫ hat(θ) cosθ sinθ dθ · Δφ`.
+fn polar_weights(n: usize) -> Vec<f64> {
+    let step = FRAC_PI_2 / n as f64;
+    let mut weights = vec![0.0; n + 1];
+    for low in 0..n {
+        for (x, weight) in gauss_legendre(6) {
+            let part = (1.0 + x) / 2.0;
+            let (sine, cosine) = libm::sincos(step * (low as f64 + part));
+            let weight = weight / 2.0 * step * step * sine * cosine;
+            weights[low] += weight * (1.0 - part);
+            weights[low + 1] += weight * part;
+        }
+    }
+    weights
 }
 
 /// Without the values.

@@ -169,8 +169,8 @@ fn samples_follow_their_density() {
 
 #[test]
 fn a_wrong_density_is_found_out() {
-    // A lobe a twentieth narrower than is claimed.
-    let [claimed, drawn] = [40.0, 42.0].map(|exponent| {
+    // A lobe a twentieth narrower than is claimed: its exponent is a tenth larger.
+    let [claimed, drawn] = [40.0, 44.0].map(|exponent| {
         Brdf::from(Phong {
             exponent,
             ..phong()

@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 
 use glam::DVec3;
 
-use super::hemisphere::spherical;
+use super::hemisphere::{from_cosine, spherical};
 use super::merl::tests::measured;
 use super::*;
 
@@ -30,7 +30,7 @@ impl Random {
 
     /// Uniform over the upper hemisphere.
     pub fn direction(&mut self) -> DVec3 {
-        super::hemisphere::from_cosine(self.unit(), self.unit())
+        from_cosine(self.unit(), self.unit())
     }
 }
 
@@ -177,7 +177,7 @@ fn samples_are_unit_directions_above_the_horizon_with_a_density() {
                 let u = [0, 1, 2].map(|k| if corner >> k & 1 == 1 { end } else { 0.0 });
                 let incident = brdf.sample(outgoing, u);
                 assert!(
-                    incident.is_none_or(glam::DVec3::is_normalized),
+                    incident.is_none_or(DVec3::is_normalized),
                     "{name}: {incident:?}"
                 );
             }

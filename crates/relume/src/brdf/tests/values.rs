@@ -104,6 +104,10 @@ fn a_table_is_exact_on_its_nodes_and_near_between() {
     let peak = source.eval(DVec3::Z, DVec3::Z).x;
     for _ in 0..2000 {
         let (a, b) = (random.direction(), random.direction());
+        // The last step before the horizon is only half known.
+        if a.z.min(b.z) < step {
+            continue;
+        }
         let off = (table.eval(a, b) - source.eval(a, b)).x.abs();
         assert!(off < 3.0 * step * step / 8.0 * 40.0 * peak, "{off}");
     }
