@@ -23,6 +23,7 @@ pub mod asset;
 #[cfg(feature = "bake")]
 pub mod bake;
 pub mod basis;
+pub mod brdf;
 pub mod display;
 pub mod files;
 pub mod light;

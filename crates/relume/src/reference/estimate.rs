@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::intersect::{Caster, offset};
-use super::path::{Escape, cosine_direction, follow};
+use super::path::{Escape, Reflection, cosine_direction, follow};
 use super::rng::{Pcg32, hammersley, mix};
 use super::statistics::mean_and_standard_error;
 use crate::basis::{Order, sh::Evaluator};
@@ -135,13 +135,28 @@ pub fn estimate(
     light: &Light<'_>,
     options: &EstimateOptions,
 ) -> Vec<Estimate> {
-    let sums = replicate(world, receivers, options, 3, |escape, sum| {
-        let radiance = DVec3::from(light(escape.direction)) * escape.throughput;
-        for (place, value) in sum.iter_mut().zip(radiance.to_array()) {
-            *place += value;
-        }
-    });
-    let of_receiver = |replicates: &[Vec<f64>]| {
+    let sums = replicate(
+        world,
+        receivers.len(),
+        options,
+        3,
+        diffuse_path(receivers, options.bounces),
+        |escape, sum| add_radiance(light, escape, sum),
+    );
+    of_columns(&sums)
+}
+
+/// Adds the radiance that a path carries to the sums of the three channels.
+pub fn add_radiance(light: &Light<'_>, escape: &Escape, sum: &mut [f64]) {
+    let radiance = DVec3::from(light(escape.direction)) * escape.throughput;
+    for (place, value) in sum.iter_mut().zip(radiance.to_array()) {
+        *place += value;
+    }
+}
+
+/// Estimates from replicates of three channels.
+pub fn of_columns(sums: &[Vec<Vec<f64>>]) -> Vec<Estimate> {
+    let of_point = |replicates: &Vec<Vec<f64>>| {
         let column = |c| mean_and_standard_error(replicates.iter().map(move |means| means[c]));
         let [r, g, b] = [column(0), column(1), column(2)];
         Estimate {
@@ -149,7 +164,7 @@ pub fn estimate(
             standard_error: [r.1, g.1, b.1],
         }
     };
-    sums.iter().map(|r| of_receiver(r)).collect()
+    sums.iter().map(of_point).collect()
 }
 
 /// Transfer vectors at each receiver: the answer to every basis function, all from the same paths.
@@ -161,7 +176,7 @@ pub fn estimate_transfer(
 ) -> Vec<TransferEstimate> {
     let evaluator = Evaluator::new(order);
     let count = order.count();
-    let sums = replicate(world, receivers, options, 3 * count, |escape, sum| {
+    let add = |escape: &Escape, sum: &mut [f64]| {
         with_basis(&evaluator, escape.direction, |basis| {
             for (channel, row) in sum.chunks_exact_mut(count).enumerate() {
                 for (place, y) in row.iter_mut().zip(basis) {
@@ -169,7 +184,9 @@ pub fn estimate_transfer(
                 }
             }
         });
-    });
+    };
+    let path = diffuse_path(receivers, options.bounces);
+    let sums = replicate(world, receivers.len(), options, 3 * count, path, add);
     let of_receiver = |replicates: &[Vec<f64>]| {
         let column = |c| mean_and_standard_error(replicates.iter().map(move |means| means[c]));
         let (mean, standard_error) = (0..3 * count).map(column).unzip();
@@ -181,28 +198,46 @@ pub fn estimate_transfer(
     sums.iter().map(|r| of_receiver(r)).collect()
 }
 
-/// The mean over paths of what `add` adds for each path that escapes: `[receiver][replicate][width]`.
-fn replicate(
-    world: &World,
+/// A path from a receiver whose first direction is cosine-distributed about its normal.
+fn diffuse_path(
     receivers: &[Receiver],
+    bounces: u32,
+) -> impl Fn(&Caster<'_>, usize, [f64; 2], &mut Pcg32) -> Option<Escape> + Sync {
+    move |caster, receiver, [u, v], rng| {
+        let from = receivers[receiver];
+        let direction = cosine_direction(from.normal.as_dvec3(), u, v);
+        let diffuse = Reflection::Diffuse;
+        follow(caster, diffuse, from.origin, direction, bounces, rng)
+    }
+}
+
+/// The mean over paths of what `add` adds for each path that escapes: `[point][replicate][width]`.
+///
+/// `path` follows one from a point, given a place in the unit square for its first direction.
+pub fn replicate(
+    world: &World,
+    points: usize,
     options: &EstimateOptions,
     width: usize,
+    path: impl Fn(&Caster<'_>, usize, [f64; 2], &mut Pcg32) -> Option<Escape> + Sync,
     add: impl Fn(&Escape, &mut [f64]) + Sync,
 ) -> Vec<Vec<Vec<f64>>> {
     let caster = Caster::new(world);
     let replicates = options.replicates.max(2);
     let paths = options.paths.div_ceil(replicates).max(1);
-    let one = |receiver: usize, replicate: u32| {
-        let mut rng = Pcg32::new(mix(options.seed, receiver as u64), u64::from(replicate));
-        let from = receivers[receiver];
-        let normal = from.normal.as_dvec3();
+    let one = |point: usize, replicate: u32| {
+        let mut rng = Pcg32::new(mix(options.seed, point as u64), u64::from(replicate));
         // A random shift (modulo 1) makes each replicate an unbiased estimate of its own.
         let (du, dv) = (rng.next_unit(), rng.next_unit());
         let mut sum = vec![0.0; width];
         for i in 0..paths {
             let (u, v) = hammersley(i, paths);
-            let direction = cosine_direction(normal, (u + du).fract(), (v + dv).fract());
-            let escape = follow(&caster, from.origin, direction, options.bounces, &mut rng);
+            let escape = path(
+                &caster,
+                point,
+                [(u + du).fract(), (v + dv).fract()],
+                &mut rng,
+            );
             if let Some(escape) = escape.filter(|e| e.bounces >= options.least_bounces) {
                 add(&escape, &mut sum);
             }
@@ -210,11 +245,11 @@ fn replicate(
         sum.iter_mut().for_each(|x| *x /= f64::from(paths));
         sum
     };
-    (0..receivers.len())
+    (0..points)
         .into_par_iter()
-        .map(|receiver| {
+        .map(|point| {
             let replicates = (0..replicates).into_par_iter();
-            replicates.map(|r| one(receiver, r)).collect()
+            replicates.map(|r| one(point, r)).collect()
         })
         .collect()
 }

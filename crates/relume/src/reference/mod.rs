@@ -1,4 +1,4 @@
-//! A plain diffuse path tracer: the oracle of the bake.
+//! A plain path tracer: the oracle of the bake.
 //!
 //! It shares [`World`](crate::scene::World) with the baker and nothing else: the rays go one by one through obvhs's own traversal and
 //! triangle test, the random numbers are PCG32 and a shifted Hammersley set, the light is evaluated in f64 at the direction in which a
@@ -15,20 +15,29 @@
 //! holes of an alpha mask let rays through; albedo = factor × vertex colour × texture at the point hit. The front is the side of the
 //! **interpolated shading normal** (as in Mitsuba): a ray that meets the surface against it is reflected about it, whatever the plane
 //! of the triangle says, and a reflected ray that dives under that plane goes on to meet back faces, which are black.
+//!
+//! Surfaces are diffuse unless the caller gives others ([`Surfaces`]); [`estimate_outgoing`] and [`render_surfaces`] then sample each
+//! reflection by its BRDF and estimate radiance toward an eye, the first BRDF included.
 
 mod compare;
 mod estimate;
 mod intersect;
+mod outgoing;
 mod path;
 mod picture;
 mod rng;
 mod statistics;
+mod surfaces;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_glossy;
 
 pub use compare::{CompareOptions, Comparison, Interval, VertexError, compare};
 pub use estimate::{
     Estimate, EstimateOptions, Light, Receiver, TransferEstimate, estimate, estimate_transfer,
     receivers_at, sh_radiance,
 };
-pub use picture::{RenderOptions, render};
+pub use outgoing::{Seen, estimate_outgoing};
+pub use picture::{RenderOptions, render, render_surfaces};
+pub use surfaces::{Surfaces, diffuse_surfaces};

@@ -4,11 +4,13 @@ use glam::{DVec3, Vec3};
 
 use super::intersect::{Caster, Hit};
 use super::rng::Pcg32;
+use super::surfaces::{Frame, Surfaces, reflect};
+use crate::brdf::cosine_sample;
 
 /// A path that left the scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Escape {
-    /// Product of the albedos met.
+    /// What the surfaces met leave of the light.
     pub throughput: DVec3,
     /// Unit direction in which it left.
     pub direction: DVec3,
@@ -16,11 +18,19 @@ pub struct Escape {
     pub bounces: u32,
 }
 
+/// How surfaces reflect.
+#[derive(Clone, Copy)]
+pub enum Reflection<'a> {
+    /// All are diffuse. Kept apart from [`super::diffuse_surfaces`] since it needs fewer random numbers.
+    Diffuse,
+    /// As they are given.
+    Of(&'a Surfaces<'a>),
+}
+
 /// Follows a path of at most `bounces` interreflections; `None` when it ends on a surface.
-///
-/// Directions after a hit are cosine-distributed about the shading normal, so each hit multiplies by its albedo alone.
 pub fn follow(
     caster: &Caster<'_>,
+    reflection: Reflection<'_>,
     mut origin: Vec3,
     mut direction: DVec3,
     bounces: u32,
@@ -38,46 +48,59 @@ pub fn follow(
         if met == bounces {
             break;
         }
-        let (albedo, normal) = reflecting_side(caster, &hit, direction)?;
-        throughput *= albedo;
-        if throughput == DVec3::ZERO {
-            break;
-        }
-        direction = cosine_direction(normal, rng.next_unit(), rng.next_unit());
+        (throughput, direction) = reflection.scatter(caster, &hit, direction, throughput, rng)?;
         origin = caster.leave(&hit, direction);
     }
     None
 }
 
-/// Albedo and shading normal of the side that a ray of `direction` meets; `None` for the back of a single-sided surface.
-pub fn reflecting_side(caster: &Caster<'_>, hit: &Hit, direction: DVec3) -> Option<(DVec3, DVec3)> {
-    let world = caster.world;
+impl Reflection<'_> {
+    /// The throughput and direction of a path after a hit; `None` where it ends.
+    fn scatter(
+        self,
+        caster: &Caster<'_>,
+        hit: &Hit,
+        direction: DVec3,
+        throughput: DVec3,
+        rng: &mut Pcg32,
+    ) -> Option<(DVec3, DVec3)> {
+        let normal = reflecting_side(caster, hit, direction)?;
+        match self {
+            // Directions are cosine-distributed, so each hit multiplies by its albedo alone.
+            Reflection::Diffuse => {
+                let surface = caster.world.surface(hit.triangle, hit.weights);
+                let throughput = throughput * surface.albedo.as_dvec3();
+                (throughput != DVec3::ZERO).then(|| {
+                    let toward = cosine_direction(normal, rng.next_unit(), rng.next_unit());
+                    (throughput, toward)
+                })
+            }
+            Reflection::Of(surfaces) => {
+                let frame = Frame::about(normal);
+                let brdf = surfaces(hit.triangle, hit.weights);
+                let u = std::array::from_fn(|_| rng.next_unit());
+                let (weight, incident) = reflect(&brdf, frame.local_from_world(-direction), u)?;
+                Some((throughput * weight, frame.world_from_local(incident)))
+            }
+        }
+    }
+}
+
+/// Shading normal of the side that a ray of `direction` meets; `None` for the back of a single-sided surface.
+fn reflecting_side(caster: &Caster<'_>, hit: &Hit, direction: DVec3) -> Option<DVec3> {
     let normal = caster.shading_normal(hit)?;
     let from_front = normal.dot(direction) < 0.0;
-    if !from_front && !world.material(hit.triangle).double_sided {
-        return None;
+    if from_front {
+        Some(normal)
+    } else {
+        let both = caster.world.material(hit.triangle).double_sided;
+        both.then_some(-normal)
     }
-    let albedo = world.surface(hit.triangle, hit.weights).albedo.as_dvec3();
-    Some((albedo, if from_front { normal } else { -normal }))
 }
 
 /// The cosine-distributed direction about the unit vector `normal` for a point of the unit square: density cosθ/π.
-///
-/// Disc by the concentric map [shirley1997], then projected up to the hemisphere.
 pub fn cosine_direction(normal: DVec3, u: f64, v: f64) -> DVec3 {
-    let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
-    let (radius, angle) = if a == 0.0 && b == 0.0 {
-        (0.0, 0.0)
-    } else if a.abs() > b.abs() {
-        (a, std::f64::consts::FRAC_PI_4 * (b / a))
-    } else {
-        (
-            b,
-            std::f64::consts::FRAC_PI_2 - std::f64::consts::FRAC_PI_4 * (a / b),
-        )
-    };
-    let (sin, cos) = libm::sincos(angle);
-    let up = (1.0 - radius * radius).max(0.0).sqrt();
+    let local = cosine_sample(u, v);
     let (tangent, bitangent) = normal.any_orthonormal_pair();
-    tangent * (radius * cos) + bitangent * (radius * sin) + normal * up
+    tangent * local.x + bitangent * local.y + normal * local.z
 }

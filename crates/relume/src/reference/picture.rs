@@ -4,9 +4,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::estimate::Light;
-use super::intersect::Caster;
-use super::path::{cosine_direction, follow};
+use super::intersect::{Caster, Hit};
+use super::path::{Reflection, cosine_direction, follow};
 use super::rng::{Pcg32, mix};
+use super::surfaces::{Frame, Surfaces, reflect};
 use crate::display::{Camera, CameraError, Picture, PixelRays};
 use crate::scene::World;
 
@@ -40,10 +41,42 @@ pub fn render(
     camera: &Camera,
     options: &RenderOptions,
 ) -> Result<Picture, CameraError> {
+    let diffuse = Reflection::Diffuse;
+    picture(world, diffuse, light, background, camera, options)
+}
+
+/// As [`render`], of surfaces that need not be diffuse.
+///
+/// Where the shading normal turns away from the camera, which happens at silhouettes, a surface is seen as if from just above its
+/// tangent plane.
+///
+/// # Errors
+/// [`CameraError`] when the camera looks nowhere.
+pub fn render_surfaces(
+    world: &World,
+    surfaces: &Surfaces<'_>,
+    light: &Light<'_>,
+    background: &Light<'_>,
+    camera: &Camera,
+    options: &RenderOptions,
+) -> Result<Picture, CameraError> {
+    let reflection = Reflection::Of(surfaces);
+    picture(world, reflection, light, background, camera, options)
+}
+
+fn picture(
+    world: &World,
+    reflection: Reflection<'_>,
+    light: &Light<'_>,
+    background: &Light<'_>,
+    camera: &Camera,
+    options: &RenderOptions,
+) -> Result<Picture, CameraError> {
     let rays = camera.pixel_rays(options.width, options.height)?;
     let caster = Caster::new(world);
     let scene = Lit {
         caster: &caster,
+        reflection,
         light,
         background,
         bounces: options.bounces,
@@ -69,8 +102,12 @@ pub fn render(
     })
 }
 
+/// Cosine from the tangent plane that a surface which a camera sees is at least seen from.
+const LEAST_COSINE: f64 = 1e-3;
+
 struct Lit<'a> {
     caster: &'a Caster<'a>,
+    reflection: Reflection<'a>,
     light: &'a Light<'a>,
     background: &'a Light<'a>,
     bounces: u32,
@@ -91,14 +128,51 @@ impl Lit<'_> {
             return DVec3::ZERO;
         };
         let normal = if from_front { normal } else { -normal };
-        let toward = cosine_direction(normal, at[2], at[3]);
+        let place = [at[2], at[3]];
+        let first = self.first_reflection(&hit, normal, direction, place, rng);
+        let Some((weight, toward)) = first else {
+            return DVec3::ZERO;
+        };
         let origin = self.caster.leave(&hit, toward);
-        let albedo = world.surface(hit.triangle, hit.weights).albedo.as_dvec3();
-        match follow(self.caster, origin, toward, self.bounces, rng) {
+        match follow(
+            self.caster,
+            self.reflection,
+            origin,
+            toward,
+            self.bounces,
+            rng,
+        ) {
             Some(escape) => {
-                albedo * escape.throughput * DVec3::from((self.light)(escape.direction))
+                weight * escape.throughput * DVec3::from((self.light)(escape.direction))
             }
             None => DVec3::ZERO,
+        }
+    }
+
+    /// What the surface seen leaves of light, and the direction that it is taken from.
+    fn first_reflection(
+        &self,
+        hit: &Hit,
+        normal: DVec3,
+        direction: DVec3,
+        at: [f64; 2],
+        rng: &mut Pcg32,
+    ) -> Option<(DVec3, DVec3)> {
+        match self.reflection {
+            Reflection::Diffuse => {
+                let surface = self.caster.world.surface(hit.triangle, hit.weights);
+                let toward = cosine_direction(normal, at[0], at[1]);
+                Some((surface.albedo.as_dvec3(), toward))
+            }
+            Reflection::Of(surfaces) => {
+                let frame = Frame::about(normal);
+                let mut outgoing = frame.local_from_world(-direction);
+                outgoing.z = outgoing.z.max(LEAST_COSINE);
+                let brdf = surfaces(hit.triangle, hit.weights);
+                let u = [rng.next_unit(), at[0], at[1]];
+                let (weight, incident) = reflect(&brdf, outgoing.normalize(), u)?;
+                Some((weight, frame.world_from_local(incident)))
+            }
         }
     }
 }

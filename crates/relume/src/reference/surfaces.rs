@@ -1,0 +1,62 @@
+//! What rays are reflected by, where it is not diffuse.
+
+use glam::DVec3;
+
+use crate::brdf::{Brdf, Lambert};
+use crate::scene::World;
+
+/// The BRDF at a point of a triangle of the world (its index, and barycentric weights of its corners).
+///
+/// The tangent frame it is used in has the shading normal as z; its x is some tangent that depends on the normal alone. An anisotropic
+/// BRDF therefore keeps its direction over a plane, and over a curved surface turns in no way that anyone chose.
+pub type Surfaces<'a> = dyn Fn(u32, [f32; 3]) -> Brdf + Sync + 'a;
+
+/// The surfaces as the bake has them: diffuse, of the albedo at the point.
+pub fn diffuse_surfaces(world: &World) -> impl Fn(u32, [f32; 3]) -> Brdf + Sync {
+    |triangle, weights| {
+        let albedo = world.surface(triangle, weights).albedo.as_dvec3();
+        Brdf::Lambert(Lambert { albedo })
+    }
+}
+
+/// A tangent frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    tangent: DVec3,
+    bitangent: DVec3,
+    normal: DVec3,
+}
+
+impl Frame {
+    pub fn about(normal: DVec3) -> Self {
+        let (tangent, bitangent) = normal.any_orthonormal_pair();
+        Self {
+            tangent,
+            bitangent,
+            normal,
+        }
+    }
+
+    pub fn local_from_world(&self, d: DVec3) -> DVec3 {
+        DVec3::new(
+            d.dot(self.tangent),
+            d.dot(self.bitangent),
+            d.dot(self.normal),
+        )
+    }
+
+    pub fn world_from_local(&self, d: DVec3) -> DVec3 {
+        self.tangent * d.x + self.bitangent * d.y + self.normal * d.z
+    }
+}
+
+/// A sampled incident direction in the tangent frame and what it multiplies radiance by: value × cosine over density.
+///
+/// `None` where there is nothing to follow: below the horizon, or black.
+pub fn reflect(brdf: &Brdf, outgoing: DVec3, u: [f64; 3]) -> Option<(DVec3, DVec3)> {
+    let incident = brdf.sample(outgoing, u)?;
+    let density = brdf.pdf(incident, outgoing);
+    let weight = brdf.eval(incident, outgoing) * (incident.z / density);
+    // The density of a sample is zero only by underflow, far out in a lobe.
+    (weight.is_finite() && weight != DVec3::ZERO).then_some((weight, incident))
+}
