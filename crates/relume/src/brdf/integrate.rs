@@ -55,6 +55,14 @@ impl HemisphereRule {
         Self { thetas, phis }
     }
 
+    /// Its directions with their weights, in steradian.
+    pub fn nodes(&self) -> impl Iterator<Item = (DVec3, f64)> {
+        self.thetas.iter().flat_map(|&(theta, across)| {
+            let row = self.phis.iter();
+            row.map(move |&(phi, along)| (spherical(theta, phi), across * along))
+        })
+    }
+
     /// ∫ f dω over the upper hemisphere.
     pub fn integrate(&self, f: impl Fn(DVec3) -> DVec3) -> DVec3 {
         let mut sum = DVec3::ZERO;

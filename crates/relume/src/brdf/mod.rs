@@ -21,6 +21,7 @@
 //! ```
 
 mod blinn_phong;
+mod directional;
 mod fitted;
 mod ggx;
 mod hemisphere;
@@ -39,6 +40,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 pub use blinn_phong::BlinnPhong;
+pub use directional::{Anisotropic, DirectionalTable};
 pub use ggx::Ggx;
 #[cfg(feature = "bake")]
 pub(crate) use hemisphere::cosine_sample;
