@@ -44,6 +44,7 @@ pub fn shade<'py>(
         valid: vec![true; vertices],
         back: None,
         gather: None,
+        matrices: None,
     };
     let pool = work::pool()?;
     let radiance = work::brief(py, || {

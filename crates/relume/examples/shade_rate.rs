@@ -43,6 +43,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             valid: vec![true; VERTICES],
             back: None,
             gather: None,
+            matrices: None,
         };
         let [mut one, mut batch, mut read] = [f64::INFINITY; 3];
         for _ in 0..rounds {

@@ -32,8 +32,7 @@ pub fn check(
 ) -> Result<Room, Failure> {
     let output = &args.output;
     let need = options.need(world);
-    let (order, channels) = (options.order, options.channels());
-    let file = asset::predicted_size(scene, order, channels, options.precision)?;
+    let file = asset::predicted_size(scene, options.numbers(), options.precision)?;
     asset::check_place(output, file)?;
     let said = format!(
         "{} vertices × {} coefficients × {} channel{}: {} of transfer, {} on disk",

@@ -59,6 +59,7 @@ pub fn transfer(world: &World, order: usize, channels: usize, backs: bool) -> Tr
         valid: vec![true; count],
         back,
         gather: None,
+        matrices: None,
     }
 }
 

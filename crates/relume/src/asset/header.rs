@@ -51,6 +51,8 @@ pub struct Header {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     bake: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    transfer_order: Option<usize>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     bin: Option<Beside>,
 }
 
@@ -80,6 +82,9 @@ pub struct Primitive {
     /// Buffer view of the coefficients.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub transfer: Option<usize>,
+    /// Buffer view of the transfer matrices, where the header has a transfer order.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub matrices: Option<usize>,
     /// Buffer view of one byte per vertex; absent when all are valid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub valid: Option<usize>,
@@ -97,6 +102,9 @@ pub struct Back {
     pub vertices: usize,
     /// Buffer view of their coefficients.
     pub transfer: usize,
+    /// Buffer view of their transfer matrices, where the header has a transfer order.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub matrices: Option<usize>,
 }
 
 /// What a header says of the whole transfer: everything but its arrays.
@@ -113,6 +121,8 @@ pub struct Meaning {
     pub albedo: Option<[f32; 3]>,
     /// SHA-256 of the source in hex; empty when unknown.
     pub source_hash: String,
+    /// Order of transferred radiance, where there are matrices.
+    pub transfer_order: Option<Order>,
     /// Where the transfer lies if it is not in the file itself.
     pub beside: Option<Beside>,
 }
@@ -130,6 +140,7 @@ impl Meaning {
             precision: transfer.precision,
             albedo,
             source_hash: source_hash.to_owned(),
+            transfer_order: transfer.matrices.as_ref().map(|matrices| matrices.order),
             beside: None,
         }
     }
@@ -160,6 +171,7 @@ pub fn to_json(meaning: &Meaning, primitives: &[Primitive]) -> Value {
             .bake
             .as_ref()
             .map(|hash| format!("sha256:{hash}")),
+        transfer_order: meaning.transfer_order.map(Order::get),
         bin: meaning.beside.clone(),
     };
     let mut json = serde_json::Map::new();
@@ -257,6 +269,7 @@ impl Header {
         if !self.albedo.is_none_or(inside) {
             return Err("has an albedo outside 0…1".to_owned());
         }
+        let transfer_order = self.transfer_order.map(Order::new).transpose();
         let whole = |beside: &Beside| beside.crc32.len() == 8 && beside.crc32.bytes().all(is_hex);
         if !self.bin.as_ref().is_none_or(whole) {
             return Err("has a bin without a crc32".to_owned());
@@ -275,6 +288,8 @@ impl Header {
             precision,
             albedo: self.albedo,
             source_hash: hash.to_owned(),
+            transfer_order: transfer_order
+                .map_err(|e| format!("has an impossible transferOrder: {e}"))?,
             beside: self.bin.clone(),
         })
     }

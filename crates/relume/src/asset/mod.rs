@@ -27,7 +27,7 @@ pub use gather::Gather;
 pub use precision::{PastHalf, Precision};
 pub use read::{from_glb, read};
 pub(crate) use strip::strip_beside;
-pub use transfer::{BackTransfer, Provenance, Transfer, TransferKind};
+pub use transfer::{BackTransfer, Matrices, Provenance, Transfer, TransferKind};
 pub use write::{check_place, predicted_size, same_file, to_glb, write};
 
 use crate::scene::Scene;

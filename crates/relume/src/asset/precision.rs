@@ -61,7 +61,7 @@ impl Precision {
 }
 
 impl Transfer {
-    /// The same transfer for a file of this precision: the coefficients of both sides rounded by [`Precision::round`]. The gather operator stays
+    /// The same transfer for a file of this precision: the coefficients of both sides, and their matrices, rounded by [`Precision::round`]. The gather operator stays
     /// as it is.
     ///
     /// Rows that are mapped from a file come into memory when they are rounded; a bake that is asked for a precision rounds before it stores
@@ -71,6 +71,10 @@ impl Transfer {
         precision.round(&mut self.coefficients)?;
         if let Some(back) = &mut self.back {
             precision.round(&mut back.coefficients)?;
+        }
+        if let Some(matrices) = &mut self.matrices {
+            precision.round(&mut matrices.coefficients)?;
+            precision.round(&mut matrices.back)?;
         }
         Ok(self)
     }

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::header::{self, HeaderError, Meaning, Primitive};
 use super::{Asset, AssetError, beside, container, merge, strip, views};
-use super::{BackTransfer, Gather, Transfer};
+use super::{BackTransfer, Gather, Matrices, Transfer};
 use crate::files::{Rows, printable};
 use crate::scene::{Instance, Scene};
 use beside::Source;
@@ -188,8 +188,10 @@ struct Gathered<'a> {
     /// Everything but its arrays of coefficients.
     transfer: Transfer,
     coefficients: Vec<f32>,
+    matrices: Vec<f32>,
     back_vertices: Vec<u32>,
     back_coefficients: Vec<f32>,
+    back_matrices: Vec<f32>,
 }
 
 impl<'a> Gathered<'a> {
@@ -208,10 +210,17 @@ impl<'a> Gathered<'a> {
                 valid: Vec::new(),
                 back: None,
                 gather: None,
+                matrices: meaning.transfer_order.map(|order| Matrices {
+                    order,
+                    coefficients: Rows::default(),
+                    back: Rows::default(),
+                }),
             },
             coefficients: Vec::new(),
+            matrices: Vec::new(),
             back_vertices: Vec::new(),
             back_coefficients: Vec::new(),
+            back_matrices: Vec::new(),
         }
     }
 
@@ -241,6 +250,13 @@ impl<'a> Gathered<'a> {
         views
             .floats(view, (vertices, stride), precision, &mut self.coefficients)
             .map_err(fail)?;
+        let size = self.transfer.matrix_stride();
+        if size > 0 {
+            let view = entry.matrices.unwrap_or(usize::MAX);
+            views
+                .floats(view, (vertices, size), precision, &mut self.matrices)
+                .map_err(fail)?;
+        }
         match entry.valid {
             Some(view) => views
                 .flags(view, vertices, &mut self.transfer.valid)
@@ -262,6 +278,13 @@ impl<'a> Gathered<'a> {
                     &mut self.back_coefficients,
                 )
                 .map_err(fail)?;
+            if size > 0 {
+                let view = back.matrices.unwrap_or(usize::MAX);
+                let places = &mut self.back_matrices;
+                views
+                    .floats(view, (back.count, size), precision, places)
+                    .map_err(fail)?;
+            }
         }
         Ok(())
     }
@@ -274,7 +297,13 @@ impl<'a> Gathered<'a> {
             vertices: self.back_vertices,
             coefficients: self.back_coefficients.into(),
         };
+        let matrices = self.transfer.matrices.map(|all| Matrices {
+            coefficients: self.matrices.into(),
+            back: self.back_matrices.into(),
+            ..all
+        });
         Ok(Transfer {
+            matrices,
             coefficients: self.coefficients.into(),
             back: Some(back).filter(|back| !back.vertices.is_empty()),
             gather,

@@ -40,6 +40,7 @@ pub fn transfer(vertices: usize, order: usize, channels: usize, back: Option<usi
             vertices,
         }),
         gather: None,
+        matrices: None,
     }
 }
 

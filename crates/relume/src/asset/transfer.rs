@@ -1,4 +1,4 @@
-//! Diffuse transfer vectors.
+//! Transfer: vectors for diffuse surfaces, and matrices for any.
 
 use super::{Gather, Precision};
 use crate::basis::Order;
@@ -43,6 +43,24 @@ pub struct Transfer {
     pub back: Option<BackTransfer>,
     /// How light bounces on from side to side, if it was asked for.
     pub gather: Option<Gather>,
+    /// Transferred incident radiance, for surfaces that are not diffuse, if it was asked for.
+    pub matrices: Option<Matrices>,
+}
+
+/// Per-vertex transfer matrices: transferred incident radiance, shadowed and interreflected.
+///
+/// `a_i = Σ_j T_ij light_j`, by channel, are the coefficients of the radiance that arrives at the vertex from its own hemisphere
+/// [sloan2005]. Neither cosine nor π nor any property of the receiver is folded in. Below the receiver's horizon the expansion means nothing:
+/// it is the fit of [`crate::basis::Hemisphere`] about the vertex normal. Shape `[vertex][channel][i][j]`, contiguous, in the channels and
+/// the precision of the vectors; i runs over the transfer order, j over the light's.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Matrices {
+    /// Order of the transferred radiance.
+    pub order: Order,
+    /// `[vertices][channels][order²][light order²]`.
+    pub coefficients: Rows,
+    /// The same for back sides, as many as those of the transfer.
+    pub back: Rows,
 }
 
 /// How a transfer was made, as far as its vectors do not show it.
@@ -74,6 +92,12 @@ impl Transfer {
     /// Numbers per vertex: `channels · order²`.
     pub fn stride(&self) -> usize {
         self.channels * self.order.count()
+    }
+
+    /// Numbers of a vertex's matrices: `channels · transfer order² · order²`; 0 where there are none.
+    pub fn matrix_stride(&self) -> usize {
+        let rows = self.matrices.as_ref().map_or(0, |all| all.order.count());
+        rows * self.stride()
     }
 
     /// The transfer vector of one vertex and channel; a one-channel transfer answers every channel with the same vector.

@@ -9,7 +9,6 @@ use super::builder::{Builder, array, malformed, object};
 use super::container::{self, Container, Part};
 use super::header::{self, Back, Beside, Meaning, Primitive};
 use super::{Asset, AssetError, Precision, Transfer, beside, fresh, tessellated};
-use crate::basis::Order;
 use crate::files::{Rows, write_atomically, write_both_atomically};
 use crate::scene::{Instance, Scene};
 
@@ -88,14 +87,13 @@ pub fn to_glb(asset: &Asset) -> Result<Vec<u8>, AssetError> {
     Ok(bytes)
 }
 
-/// An upper bound, close, of the size in bytes of the `.glb` that a bake of `scene` will become with coefficients of `precision`, together with
-/// the `.bin` beside it if there will be one ([`check_place`]).
+/// An upper bound, close, of the size in bytes of the `.glb` that a bake of `scene` will become with so many numbers of transfer on each side
+/// of a vertex, in `precision`, together with the `.bin` beside it if there will be one ([`check_place`]).
 ///
 /// Fails for every reason in the scene that would make [`write()`] fail, so that nobody bakes for an hour what cannot be written.
 pub fn predicted_size(
     scene: &Scene,
-    order: Order,
-    channels: usize,
+    numbers: usize,
     precision: Precision,
 ) -> Result<u64, AssetError> {
     // Room for what the extension says of a node, and of a primitive with its views.
@@ -104,7 +102,7 @@ pub fn predicted_size(
     // And of a file beside it with a name of 255 bytes.
     const BESIDE: u64 = 1024;
     check_scene(scene)?;
-    let vector = (precision.bytes() * channels * order.count()) as u64;
+    let vector = (precision.bytes() * numbers) as u64;
     let alone = scene_alone(scene)?.finish().map_err(|error| match error {
         AssetError::TooLarge(bytes) => AssetError::SceneTooLarge(bytes),
         other => other,
@@ -252,9 +250,15 @@ fn entry<'a>(
     let part = |floats| Part::coefficients(floats, transfer.precision);
     let floats = &transfer.coefficients[vertices.start * stride..vertices.end * stride];
     let valid = &transfer.valid[vertices.clone()];
+    let matrices = transfer.matrices.as_ref();
+    let size = transfer.matrix_stride();
     let mut entry = Primitive {
         count: Some(vertices.len()),
         transfer: Some(builder.transfer_view(part(floats))?),
+        matrices: matrices
+            .map(|all| &all.coefficients[vertices.start * size..vertices.end * size])
+            .map(|floats| builder.transfer_view(part(floats)))
+            .transpose()?,
         ..Primitive::default()
     };
     if !valid.iter().all(|&valid| valid) {
@@ -276,6 +280,10 @@ fn entry<'a>(
             count: to - from,
             vertices: builder.transfer_view(Part::Bytes(local.into()))?,
             transfer: builder.transfer_view(part(floats))?,
+            matrices: matrices
+                .map(|all| &all.back[from * size..to * size])
+                .map(|floats| builder.transfer_view(part(floats)))
+                .transpose()?,
         });
     }
     Ok(entry)
@@ -322,6 +330,14 @@ fn check(asset: &Asset) -> Result<(), AssetError> {
     {
         return wrong("its number of coefficients is not vertices · channels · order²".into());
     }
+    let size = transfer.matrix_stride();
+    let (fronts, backs) = match &transfer.matrices {
+        Some(all) => (&*all.coefficients, &*all.back),
+        None => Default::default(),
+    };
+    if fronts.len() != vertices * size || backs.len() != back.vertices.len() * size {
+        return wrong("its transfer matrices are not one for each side".into());
+    }
     let ascending = back.vertices.is_sorted_by(|a, b| a < b);
     if !ascending
         || back
@@ -337,6 +353,7 @@ fn check(asset: &Asset) -> Result<(), AssetError> {
             .map_err(AssetError::Mismatch)?;
     }
     let all = transfer.coefficients.iter().chain(&*back.coefficients);
+    let all = all.chain(fronts).chain(backs);
     all.enumerate()
         .try_for_each(|(i, &value)| check_number(i, value, transfer.precision))
 }

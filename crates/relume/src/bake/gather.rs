@@ -137,10 +137,10 @@ fn is_good(error: f64, [a, b]: &[Vec<f64>; 2], count: usize, samples: u32) -> bo
 }
 
 /// Where local x, y and z go.
-struct Turn([Vec3; 3]);
+pub struct Turn(pub [Vec3; 3]);
 
 impl Turn {
-    fn new(euler: &Euler) -> Self {
+    pub fn new(euler: &Euler) -> Self {
         let matrix = euler.matrix();
         Self([
             matrix.x_axis.as_vec3(),
@@ -363,7 +363,7 @@ fn add_scaled<L: Lanes>(sums: &mut [f32], values: &[f32], weight: f32) {
 /// The side is that of the interpolated shading normal, as the transfer it reflects was gathered about such normals. By the triangle's
 /// plane, a ray that leaves a dented vertex just above its tangent plane would meet the fronts of the vertex's own triangles at once
 /// and bring back the vertex's own light: on a scanned figure, a sixth of all that bounces.
-fn facing_receivers(stage: &Stage, hit: &Hit, direction: Vec3) -> Option<[u32; 3]> {
+pub fn facing_receivers(stage: &Stage, hit: &Hit, direction: Vec3) -> Option<[u32; 3]> {
     if !hit.is_hit() {
         return None;
     }

@@ -18,6 +18,7 @@ mod coincident;
 mod directions;
 mod engine;
 mod gather;
+mod matrices;
 mod operator;
 mod options;
 mod passes;

@@ -29,6 +29,8 @@ pub struct BakeOptions {
     pub threads: Option<usize>,
     /// Whether the result has the gather operator, too.
     pub gather: bool,
+    /// Order of transferred radiance, where the result is to have transfer matrices, too; then surfaces reflect by their own BRDFs.
+    pub transfer_order: Option<Order>,
     /// How files will store the result, which is rounded to it at the very end: neither rays nor bounces depend on it.
     pub precision: Precision,
     /// What casts the rays.
@@ -52,6 +54,7 @@ impl Default for BakeOptions {
             seed: 0,
             threads: None,
             gather: false,
+            transfer_order: None,
             precision: Precision::F32,
             engine: Engine::default(),
             tile: 256,
@@ -121,6 +124,15 @@ pub enum BakeError {
     /// The gather operator is made of what rays meet.
     #[error("unshadowed transfer has no gather operator: drop either")]
     UnshadowedGather,
+    /// Both asked for.
+    #[error("the gather operator is of diffuse transfer: drop it, or the transfer matrices")]
+    GlossyGather,
+    /// Together too high.
+    #[error("light of order {0} and transferred radiance of order {1} need visibility of order {sum}, above {max}; lower either", sum = .0 + .1 - 1, max = Order::MAX)]
+    Orders(usize, usize),
+    /// A BRDF that matrices do not know.
+    #[error(transparent)]
+    Anisotropic(#[from] crate::brdf::Anisotropic),
     /// Too many interreflections.
     #[error("{0} bounces are more than {max}; light is gone after about ten", max = BakeOptions::MAX_BOUNCES)]
     Bounces(u32),
@@ -167,6 +179,14 @@ impl BakeOptions {
         if !self.shadows && self.gather {
             return Err(BakeError::UnshadowedGather);
         }
+        if let Some(transfer) = self.transfer_order {
+            if self.gather {
+                return Err(BakeError::GlossyGather);
+            }
+            if super::matrices::visibility_order(self.order, transfer).is_none() {
+                return Err(BakeError::Orders(self.order.get(), transfer.get()));
+            }
+        }
         if !self.shadows && self.bounces > 0 {
             return Err(BakeError::UnshadowedBounces);
         }
@@ -181,6 +201,9 @@ impl BakeOptions {
     /// What baking `world` takes, back sides included.
     pub fn need(&self, world: &World) -> Need {
         let receivers = super::receiver::Receivers::new(world).len() as u64;
+        if let Some(transfer) = self.transfer_order {
+            return self.need_of_matrices(receivers, transfer);
+        }
         let row = receivers * 4 * self.order.count() as u64;
         // At work, the result is f32 like everything else.
         let result = row * self.channels() as u64;
@@ -197,6 +220,29 @@ impl BakeOptions {
             result: result / 4 * self.precision.bytes() as u64,
             memory: terms + result + operator,
             checkpoint: row * u64::from(1 + 3 * self.bounces) + result,
+        }
+    }
+
+    /// Transfer numbers of a side: vectors and matrices.
+    pub fn numbers(&self) -> usize {
+        let rows = self.transfer_order.map_or(0, Order::count);
+        self.channels() * self.order.count() * (1 + rows)
+    }
+
+    fn need_of_matrices(&self, receivers: u64, transfer: Order) -> Need {
+        let visibility = super::matrices::visibility_order(self.order, transfer);
+        let visibility = receivers * 4 * visibility.map_or(0, Order::count) as u64;
+        let matrix = receivers * 4 * (self.order.count() * transfer.count()) as u64;
+        let result = receivers * 4 * self.numbers() as u64;
+        let terms = if self.bounces == 0 {
+            visibility + matrix
+        } else {
+            10 * matrix
+        };
+        Need {
+            result: result / 4 * self.precision.bytes() as u64,
+            memory: terms + result,
+            checkpoint: visibility + matrix * u64::from(1 + 3 * self.bounces) + result,
         }
     }
 }

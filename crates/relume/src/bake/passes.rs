@@ -192,7 +192,7 @@ impl Passes<'_> {
         Ok(())
     }
 
-    fn receivers_of(&self, tile: usize) -> std::ops::Range<usize> {
+    pub fn receivers_of(&self, tile: usize) -> std::ops::Range<usize> {
         let start = tile * self.tile;
         start
             ..start
@@ -204,7 +204,7 @@ impl Passes<'_> {
         self.stage.receivers.len().div_ceil(self.tile)
     }
 
-    fn pass(&self, name: &str, stride: usize) -> Result<Pass, BakeError> {
+    pub fn pass(&self, name: &str, stride: usize) -> Result<Pass, BakeError> {
         self.store
             .pass(name, self.stage.receivers.len(), self.tile, stride)
     }
@@ -225,14 +225,22 @@ impl Passes<'_> {
                 work(scratch, tile, rows)?;
                 self.finished(bounce, rows.len() / stride)
             },
-            |tile| {
-                self.counters.reused.fetch_add(1, Ordering::Relaxed);
-                self.finished(bounce, self.receivers_of(tile).len())
-            },
+            |tile| self.taken_over(bounce, tile),
         )
     }
 
-    fn finished(&self, bounce: u32, receivers: usize) -> Result<(), BakeError> {
+    /// Counts a tile that an earlier bake had finished.
+    pub fn taken_over(&self, bounce: u32, tile: usize) -> Result<(), BakeError> {
+        self.counters.reused.fetch_add(1, Ordering::Relaxed);
+        self.finished(bounce, self.receivers_of(tile).len())
+    }
+
+    /// Counts rays.
+    pub fn cast(&self, rays: u64) {
+        self.counters.rays.fetch_add(rays, Ordering::Relaxed);
+    }
+
+    pub fn finished(&self, bounce: u32, receivers: usize) -> Result<(), BakeError> {
         let receivers = receivers as u64;
         let done = self
             .counters

@@ -3,6 +3,7 @@
 use super::buried::Filling;
 use super::directions::{Directions, Plan};
 use super::gather::Stage;
+use super::matrices;
 use super::operator;
 use super::passes::{Counters, Passes, Report};
 use super::receiver::Receivers;
@@ -10,7 +11,7 @@ use super::store::Store;
 use super::trace::Tracer;
 use super::{BakeError, BakeOptions, Monitor};
 use crate::asset::{BackTransfer, Provenance, Transfer, TransferKind};
-use crate::basis::Zonal;
+use crate::basis::{Order, Zonal};
 use crate::files::Rows;
 use crate::scene::World;
 
@@ -76,8 +77,8 @@ fn bake_here(
     store: &Store,
 ) -> Result<Baked, BakeError> {
     let receivers = Receivers::new(world);
-    if !options.shadows {
-        let rows = unshadowed(&receivers, options);
+    if !options.shadows && options.transfer_order.is_none() {
+        let rows = unshadowed(&receivers, options.order);
         let transfer = finish(
             options,
             &receivers,
@@ -90,6 +91,10 @@ fn bake_here(
             report: Report::default(),
         });
     }
+    // What direct light is gathered to: matrices are made of a higher one.
+    let matrices = options.transfer_order;
+    let order = matrices.and_then(|transfer| matrices::visibility_order(options.order, transfer));
+    let order = order.unwrap_or(options.order);
     let tracer = Tracer::with_engine(world, &options.engine)?;
     let plan = match options.error {
         Some(_) => Plan::UntilGood(options.samples),
@@ -99,9 +104,9 @@ fn bake_here(
         world,
         tracer: &tracer,
         receivers: &receivers,
-        directions: &Directions::new(plan, options.order, options.seed),
+        directions: &Directions::new(plan, order, options.seed),
         error: options.error.unwrap_or(0.0),
-        order: options.order,
+        order,
         seed: options.seed,
         level: options.engine.level(),
         weight_channels: operator::channels(world),
@@ -111,10 +116,16 @@ fn bake_here(
         monitor,
         store,
         tile: options.tile,
-        passes: 1 + options.bounces,
+        passes: 1 + options.bounces + u32::from(matrices.is_some()),
         counters: Counters::default(),
     };
-    series(&passes, options)
+    match matrices {
+        None => series(&passes, options),
+        Some(transfer) => {
+            let plan = matrices::Plan::new(&stage, options.order, transfer)?;
+            matrices::series(&passes, options, &plan)
+        }
+    }
 }
 
 /// Direct light, then the bounces; the result is their sum.
@@ -167,7 +178,7 @@ fn series(passes: &Passes, options: &BakeOptions) -> Result<Baked, BakeError> {
 }
 
 /// Adds the last bounce to the sum of those before it, in the order in which [`summed`] adds them.
-fn fold(terms: &mut Vec<Rows>) {
+pub fn fold(terms: &mut Vec<Rows>) {
     if let Some(last) = terms.pop() {
         terms[1]
             .iter_mut()
@@ -177,8 +188,8 @@ fn fold(terms: &mut Vec<Rows>) {
 }
 
 /// `t_i = A_l/π · Y_i(n)` with the zonal eigenvalues A_l of the clamped cosine [ramamoorthi2001].
-fn unshadowed(receivers: &Receivers, options: &BakeOptions) -> Rows {
-    let cosine = Zonal::clamped_cosine(options.order);
+pub fn unshadowed(receivers: &Receivers, order: Order) -> Rows {
+    let cosine = Zonal::clamped_cosine(order);
     let row = |receiver| {
         let normal = receivers.get(receiver, 0).normal.as_dvec3().normalize();
         cosine
@@ -202,15 +213,24 @@ fn finish(
         .iter()
         .map(|&i| receivers.behind[i as usize])
         .collect();
-    let coefficients = summed("result-front", options, &receivers.front, terms, store)?;
-    let back = if vertices.is_empty() {
-        None
-    } else {
-        Some(BackTransfer {
-            coefficients: summed("result-back", options, &behind, terms, store)?,
-            vertices,
-        })
+    let count = options.order.count();
+    let sum = |name, receivers: &[u32]| summed(name, options, receivers, terms, count, store);
+    let front = sum("result-front", &receivers.front)?;
+    let back = match vertices.is_empty() {
+        true => Rows::default(),
+        false => sum("result-back", &behind)?,
     };
+    Ok(described(options, valid, front, vertices, back))
+}
+
+/// The transfer with these vectors, the back sides' those of `vertices`.
+pub fn described(
+    options: &BakeOptions,
+    valid: Vec<bool>,
+    coefficients: Rows,
+    vertices: Vec<u32>,
+    back: Rows,
+) -> Transfer {
     let kind = if options.shadows {
         TransferKind::Shadowed {
             bounces: options.bounces,
@@ -218,7 +238,7 @@ fn finish(
     } else {
         TransferKind::Unshadowed
     };
-    Ok(Transfer {
+    Transfer {
         order: options.order,
         channels: options.channels(),
         kind,
@@ -233,20 +253,24 @@ fn finish(
         precision: options.precision,
         coefficients,
         valid,
-        back,
+        back: (!vertices.is_empty()).then_some(BackTransfer {
+            vertices,
+            coefficients: back,
+        }),
         gather: None,
-    })
+        matrices: None,
+    }
 }
 
-/// The rows of these receivers, rounded to the precision asked for.
-fn summed(
+/// The rows of these receivers (of `count` numbers a channel), rounded to the precision asked for.
+pub fn summed(
     name: &str,
     options: &BakeOptions,
     receivers: &[u32],
     terms: &[Rows],
+    count: usize,
     store: &Store,
 ) -> Result<Rows, BakeError> {
-    let count = options.order.count();
     let stride = options.channels() * count;
     let pass = store.pass(name, receivers.len(), options.tile, stride)?;
     let work = |(): &mut (), tile: usize, rows: &mut [f32]| {

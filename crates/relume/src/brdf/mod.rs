@@ -30,6 +30,7 @@ mod lambert;
 mod lobe;
 mod merl;
 mod phong;
+mod reflection;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -48,6 +49,7 @@ pub use integrate::HemisphereRule;
 pub use lambert::Lambert;
 pub use merl::{Merl, MerlError};
 pub use phong::Phong;
+pub use reflection::{Reflection, Reflector};
 pub use table::{MAX_RESOLUTION, Table};
 pub use ward::Ward;
 

@@ -283,6 +283,7 @@ mod comparing {
             valid: vec![true; world.positions.len()],
             back: None,
             gather: None,
+            matrices: None,
         }
     }
 

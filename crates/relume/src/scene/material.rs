@@ -1,8 +1,10 @@
-//! What a surface looks like to diffuse transfer: albedo, alpha and sidedness.
+//! What a surface looks like: albedo, reflection, alpha and sidedness.
 
 use glam::{Vec2, Vec3};
 
-/// Base colour and visibility of a surface. Metalness and roughness are kept in the document and ignored by diffuse transfer.
+use crate::brdf::Reflection;
+
+/// Base colour, reflection and visibility of a surface. Diffuse transfer takes the base colour for its albedo, whatever its reflection.
 #[derive(Clone, Debug)]
 pub struct Material {
     /// Name in the file, or a made-up one.
@@ -17,8 +19,10 @@ pub struct Material {
     pub double_sided: bool,
     /// Whether the file gives a normal map (kept in the document, not used yet).
     pub has_normal_map: bool,
-    /// glTF metallic factor times nothing else: only to tell people that diffuse transfer ignores it.
+    /// glTF metallic factor times nothing else: to tell people that diffuse transfer ignores it.
     pub metallic: f32,
+    /// How it reflects, which only transfer matrices know of.
+    pub reflection: Reflection,
 }
 
 /// How alpha decides what a ray sees.
@@ -86,6 +90,7 @@ impl Material {
             double_sided: false,
             has_normal_map: false,
             metallic: 0.0,
+            reflection: Reflection::Diffuse,
         }
     }
 }

@@ -146,6 +146,17 @@ impl World {
         albedos
     }
 
+    /// The material of every vertex: that of the first triangle that uses it, as for [`World::vertex_albedos`]; 0 where none does.
+    pub fn vertex_materials(&self) -> Vec<u32> {
+        let mut materials = vec![None; self.positions.len()];
+        for (corners, &material) in self.triangles.iter().zip(&self.triangle_materials) {
+            for i in corners.map(|i| i as usize) {
+                materials[i].get_or_insert(material);
+            }
+        }
+        materials.into_iter().map(Option::unwrap_or_default).collect()
+    }
+
     /// Smallest and largest corner of everything triangles use; `None` when there are none.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         let mut used = self

@@ -1,8 +1,10 @@
 //! Transfer and light in, radiance out.
 
 mod kernel;
+mod matrix;
 mod vector;
 
+pub use matrix::{Outgoing, TransferredRadiance};
 pub use vector::{
     radiance, transferred_radiance, transferred_radiance_back, transferred_radiance_batch,
     transferred_radiance_into,

@@ -15,6 +15,7 @@ fn meaning() -> Meaning {
         precision: Precision::F32,
         albedo: None,
         source_hash: String::new(),
+        transfer_order: Some(Order::new(10).unwrap()),
         beside: None,
     }
 }
@@ -24,10 +25,12 @@ fn primitives() -> Vec<Primitive> {
         count: Some(7),
         input_vertices: Some(4),
         transfer: Some(3),
+        matrices: Some(5),
         back: Some(Back {
             count: 1,
             vertices: 4,
             transfer: 5,
+            matrices: Some(6),
         }),
         ..Primitive::default()
     };

@@ -17,7 +17,7 @@ fn the_predicted_size_is_an_upper_bound_and_close() {
             precision,
             ..
         } = asset.transfer;
-        let predicted = predicted_size(&asset.scene, order, channels, precision).unwrap();
+        let predicted = predicted_size(&asset.scene, channels * order.count(), precision).unwrap();
         let actual = glb(&asset).len() as u64;
         assert!(predicted >= actual, "{predicted} for {actual}");
         let (vector, json) = (describe(&asset).bytes_per_vertex as u64, 1500);
@@ -28,7 +28,7 @@ fn the_predicted_size_is_an_upper_bound_and_close() {
     scene.instances = vec![scene.instances[0].clone(); 11_000];
     let order = Order::new(32).unwrap();
     // 110,000 vertices of 12 KiB each for three channels would fit; four times that goes beside the file.
-    let size = predicted_size(&scene, order, 3 * 4, Precision::F32).unwrap();
+    let size = predicted_size(&scene, 12 * order.count(), Precision::F32).unwrap();
     assert!(size > 110_000 * 4 * 12 * 1024, "{size}");
 }
 
@@ -38,7 +38,7 @@ fn what_a_glb_cannot_say_is_refused_before_the_bake() {
     let refused = |change: &dyn Fn(&mut Scene)| {
         let mut scene = samples::scene();
         change(&mut scene);
-        predicted_size(&scene, order, 1, Precision::F16)
+        predicted_size(&scene, order.count(), Precision::F16)
             .unwrap_err()
             .to_string()
     };

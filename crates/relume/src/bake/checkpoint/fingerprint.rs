@@ -7,6 +7,7 @@ use sha2::{Digest, Sha256};
 
 use super::CheckpointError;
 use super::error::shown;
+use crate::brdf::Reflection;
 use crate::files::{le_bytes, printable};
 use crate::scene::{AlphaMode, Material, Sampler, Texture, World, Wrap};
 
@@ -199,6 +200,7 @@ impl Hash {
             double_sided,
             has_normal_map: _,
             metallic: _,
+            reflection,
         } = material;
         self.floats(base_color);
         self.number(base_color_texture.map_or(0, |texture| texture + 1));
@@ -207,6 +209,19 @@ impl Hash {
             AlphaMode::Mask(cutoff) => self.floats(&[*cutoff]),
         }
         self.number(usize::from(*double_sided));
+        self.reflection(reflection);
+    }
+
+    fn reflection(&mut self, reflection: &Reflection) {
+        match reflection {
+            Reflection::Diffuse => self.number(0),
+            Reflection::MetallicRoughness {
+                metallic,
+                roughness,
+            } => self.floats(&[*metallic, *roughness]),
+            // Its numbers to the last digit, measured tables among them.
+            Reflection::Fixed(brdf) => self.bytes(format!("{brdf:?}").as_bytes()),
+        }
     }
 
     fn texture(&mut self, texture: &Texture) {

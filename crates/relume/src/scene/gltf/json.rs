@@ -107,6 +107,7 @@ pub(super) struct Pbr {
     pub(super) base_color_factor: [f32; 4],
     pub(super) base_color_texture: Option<TextureInfo>,
     pub(super) metallic_factor: f32,
+    pub(super) roughness_factor: f32,
 }
 
 impl Default for Pbr {
@@ -115,6 +116,7 @@ impl Default for Pbr {
             base_color_factor: [1.0; 4],
             base_color_texture: None,
             metallic_factor: 1.0,
+            roughness_factor: 1.0,
         }
     }
 }

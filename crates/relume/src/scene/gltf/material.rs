@@ -7,6 +7,7 @@ use glam::Vec2;
 use super::super::{AlphaMode, Material, Sampler, Scene, SceneError, Wrap, decode};
 use super::accessor::Data;
 use super::json::{MaterialJson, TextureInfo, TextureTransform, get};
+use crate::brdf::Reflection;
 use crate::files::printable;
 
 /// The materials of a document, and where each looks up its base colour texture.
@@ -92,6 +93,7 @@ impl Materials {
             // glTF gives a primitive without material a white one.
             scene.materials.push(Material {
                 metallic: 1.0,
+                reflection: reflection(1.0, 1.0),
                 ..Material::diffuse("default", [1.0; 3])
             });
             scene.materials.len() - 1
@@ -131,14 +133,15 @@ fn plain<'a>(
     };
     let standard = json.pbr_metallic_roughness.as_ref();
     let older = json.extensions.specular_glossiness.as_ref();
-    let (base_color, texture, metallic) = match (standard, older) {
+    let (base_color, texture, metallic, roughness) = match (standard, older) {
         (Some(pbr), _) => (
             pbr.base_color_factor,
             pbr.base_color_texture.as_ref(),
             pbr.metallic_factor,
+            pbr.roughness_factor,
         ),
-        (None, Some(old)) => (old.diffuse_factor, old.diffuse_texture.as_ref(), 0.0),
-        (None, None) => ([1.0; 4], None, 1.0),
+        (None, Some(old)) => (old.diffuse_factor, old.diffuse_texture.as_ref(), 0.0, 1.0),
+        (None, None) => ([1.0; 4], None, 1.0, 1.0),
     };
     let name = json
         .name
@@ -152,8 +155,18 @@ fn plain<'a>(
         double_sided: json.double_sided,
         has_normal_map: json.normal_texture.is_some(),
         metallic,
+        reflection: reflection(metallic, roughness),
     };
     Ok((material, texture))
+}
+
+/// Factors outside 0…1 are taken for the nearest inside.
+fn reflection(metallic: f32, roughness: f32) -> Reflection {
+    let inside = |factor: f32| factor.clamp(0.0, 1.0);
+    Reflection::MetallicRoughness {
+        metallic: inside(metallic),
+        roughness: inside(roughness),
+    }
 }
 
 /// Decoded textures by (image, sampler).

@@ -32,6 +32,7 @@ fn unshadowed(order: Order, normals: &[DVec3]) -> Transfer {
         valid: vec![true; normals.len()],
         back: None,
         gather: None,
+        matrices: None,
     }
 }
 

@@ -1,0 +1,238 @@
+//! Radiance toward an eye, from transfer matrices.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::asset::{BackTransfer, Matrices, Transfer};
+use crate::basis::{EulerRotation, Order};
+use crate::brdf::{Anisotropic, Reflector};
+use crate::light::IncidentLight;
+use crate::scene::World;
+
+/// Transferred incident radiance of every side: `a_i = Σ_j T_ij l_j` by channel.
+///
+/// Coefficients in the space of the scene, above the horizon of each side; linear Rec. 709 in the units of the light. They change with the light
+/// alone, so one set serves every eye and every material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TransferredRadiance {
+    /// The order of the expansions.
+    pub order: Order,
+    /// `[vertices][3][order²]`.
+    pub front: Vec<f32>,
+    /// `[back sides][3][order²]`.
+    pub back: Vec<f32>,
+}
+
+impl TransferredRadiance {
+    /// Under `light`; `None` for a transfer without matrices.
+    ///
+    /// A light of higher order than the transfer is truncated, one of lower order padded with zeros.
+    pub fn new(transfer: &Transfer, light: &IncidentLight) -> Option<Self> {
+        let matrices = transfer.matrices.as_ref()?;
+        let no_back = Vec::new();
+        let backs = transfer.back.as_ref().map_or(&no_back, |back: &BackTransfer| &back.vertices);
+        Some(Self {
+            order: matrices.order,
+            front: applied(transfer, matrices, &matrices.coefficients, light, |side| side),
+            back: applied(transfer, matrices, &matrices.back, light, |side| {
+                backs[side] as usize
+            }),
+        })
+    }
+}
+
+/// The matrices of some sides, `vertex` by side, times the light.
+fn applied(
+    transfer: &Transfer,
+    matrices: &Matrices,
+    coefficients: &[f32],
+    light: &IncidentLight,
+    vertex: impl Fn(usize) -> usize + Sync,
+) -> Vec<f32> {
+    let (rows, columns) = (matrices.order.count(), transfer.order.count());
+    let lights = Lights::new(light, transfer.order);
+    let sides = coefficients.len() / transfer.matrix_stride().max(1);
+    let mut radiance = vec![0.0; sides * 3 * rows];
+    let one = |(side, radiance): (usize, &mut [f32])| {
+        let matrix = &coefficients[side * transfer.matrix_stride()..][..transfer.matrix_stride()];
+        let light = lights.at(vertex(side));
+        for (channel, radiance) in radiance.chunks_exact_mut(rows).enumerate() {
+            let matrix = &matrix[channel % transfer.channels * rows * columns..];
+            let light = &light[channel * columns..][..columns];
+            for (value, row) in radiance.iter_mut().zip(matrix.chunks_exact(columns)) {
+                *value = row.iter().zip(light).map(|(t, l)| t * l).sum();
+            }
+        }
+    };
+    #[cfg(feature = "bake")]
+    {
+        use rayon::prelude::*;
+        radiance.par_chunks_exact_mut(3 * rows).enumerate().for_each(one);
+    }
+    #[cfg(not(feature = "bake"))]
+    radiance.chunks_exact_mut(3 * rows).enumerate().for_each(one);
+    radiance
+}
+
+/// Coefficients by channel, `[lights][3][n²]`, and which of them a vertex has.
+struct Lights {
+    rows: Vec<f32>,
+    count: usize,
+    /// Where ranges of vertices end, and their lights; everything has the first where there are none.
+    ends: Vec<usize>,
+    by_vertex: bool,
+}
+
+impl Lights {
+    fn new(light: &IncidentLight, order: Order) -> Self {
+        let count = order.count();
+        let plane = |coefficients: &[[f32; 3]]| -> Vec<f32> {
+            let place = |i: usize| i.checked_rem(count).unwrap_or(0);
+            (0..3 * count)
+                .map(|i| coefficients.get(place(i)).map_or(0.0, |rgb| rgb[i / count]))
+                .collect()
+        };
+        let (lights, ends, by_vertex): (Vec<Vec<f32>>, Vec<usize>, bool) = match light {
+            IncidentLight::Distant(light) => (vec![plane(light.coefficients())], Vec::new(), false),
+            IncidentLight::PerObject(objects) => {
+                // Vertices of no object are dark.
+                let mut lights = Vec::new();
+                let mut ends = Vec::new();
+                let mut end = 0;
+                for object in objects {
+                    lights.extend([plane(&[]), plane(object.light.coefficients())]);
+                    ends.extend([object.vertices.start.max(end), object.vertices.end.max(end)]);
+                    end = object.vertices.end.max(end);
+                }
+                lights.push(plane(&[]));
+                ends.push(usize::MAX);
+                (lights, ends, false)
+            }
+            IncidentLight::PerVertex(light) => {
+                let all = (0..light.vertex_count()).map(|v| plane(light.coefficients(v)));
+                (all.collect(), Vec::new(), true)
+            }
+        };
+        Self {
+            rows: lights.concat(),
+            count: 3 * count,
+            ends,
+            by_vertex,
+        }
+    }
+
+    fn at(&self, vertex: usize) -> &[f32] {
+        let light = match self.by_vertex {
+            true => vertex,
+            false => self.ends.partition_point(|&end| end <= vertex),
+        };
+        &self.rows[light * self.count..][..self.count]
+    }
+}
+
+/// What the surfaces of a scene make of transferred radiance: made once, for any light and eye.
+pub struct Outgoing {
+    order: Order,
+    /// By material.
+    reflectors: Vec<Arc<Reflector>>,
+    /// By vertex: of the first triangle that uses it.
+    materials: Vec<u32>,
+    albedos: Vec<glam::Vec3>,
+    normals: Vec<glam::Vec3>,
+    positions: Vec<glam::Vec3>,
+}
+
+impl Outgoing {
+    /// For the vertices and materials of `world`, and transferred radiance of `order`.
+    ///
+    /// # Errors
+    /// [`Anisotropic`] where a material's BRDF does not turn with the view.
+    pub fn new(world: &World, order: Order) -> Result<Self, Anisotropic> {
+        let reflections = world.materials.iter().map(|material| &material.reflection);
+        Ok(Self {
+            order,
+            reflectors: Reflector::all(reflections, order)?,
+            materials: world.vertex_materials(),
+            albedos: world.vertex_albedos(),
+            normals: world.normals.clone(),
+            positions: world.positions.clone(),
+        })
+    }
+
+    /// Radiance that leaves every vertex toward `eye`: of its front, or of its back where it has one and the eye is behind it; else black.
+    ///
+    /// Panics when the transfer and the radiance are not of this world.
+    pub fn radiance(
+        &self,
+        transfer: &Transfer,
+        transferred: &TransferredRadiance,
+        eye: DVec3,
+    ) -> Vec<[f32; 3]> {
+        assert_eq!(self.positions.len(), transfer.vertex_count(), "one matrix per vertex");
+        assert_eq!(self.order, transferred.order, "radiance of the order asked for");
+        let no_back = Vec::new();
+        let backs = transfer.back.as_ref().map_or(&no_back, |back| &back.vertices);
+        let one = |work: &mut Work, vertex: usize| {
+            let view = (eye - self.positions[vertex].as_dvec3()).normalize_or_zero();
+            let normal = self.normals[vertex].as_dvec3().normalize_or(DVec3::Z);
+            let stride = 3 * self.order.count();
+            let (normal, radiance) = if normal.dot(view) >= 0.0 {
+                (normal, &transferred.front[vertex * stride..][..stride])
+            } else {
+                match backs.binary_search(&(vertex as u32)) {
+                    Ok(side) => (-normal, &transferred.back[side * stride..][..stride]),
+                    Err(_) => return [0.0; 3],
+                }
+            };
+            self.toward(vertex, normal, view, radiance, work)
+        };
+        #[cfg(feature = "bake")]
+        {
+            use rayon::prelude::*;
+            let vertices = (0..self.positions.len()).into_par_iter();
+            vertices.map_init(|| Work::new(self.order), one).collect()
+        }
+        #[cfg(not(feature = "bake"))]
+        {
+            let mut work = Work::new(self.order);
+            (0..self.positions.len()).map(|vertex| one(&mut work, vertex)).collect()
+        }
+    }
+
+    fn toward(
+        &self,
+        vertex: usize,
+        normal: DVec3,
+        view: DVec3,
+        radiance: &[f32],
+        work: &mut Work,
+    ) -> [f32; 3] {
+        let albedo = self.albedos[vertex].as_dvec3();
+        let reflector = &self.reflectors[self.materials[vertex] as usize];
+        reflector.toward(albedo, normal, view, &work.rotation, &mut work.o, &mut work.scratch);
+        let count = self.order.count();
+        std::array::from_fn(|channel| {
+            let o = &work.o[channel * count..][..count];
+            let a = &radiance[channel * count..][..count];
+            o.iter().zip(a).map(|(o, a)| o * f64::from(*a)).sum::<f64>() as f32
+        })
+    }
+}
+
+/// What a thread writes on.
+struct Work {
+    rotation: EulerRotation,
+    o: Vec<f64>,
+    scratch: Vec<f64>,
+}
+
+impl Work {
+    fn new(order: Order) -> Self {
+        Self {
+            rotation: EulerRotation::new(order),
+            o: vec![0.0; 3 * order.count()],
+            scratch: vec![0.0; order.count()],
+        }
+    }
+}
