@@ -154,7 +154,10 @@ impl World {
                 materials[i].get_or_insert(material);
             }
         }
-        materials.into_iter().map(Option::unwrap_or_default).collect()
+        materials
+            .into_iter()
+            .map(Option::unwrap_or_default)
+            .collect()
     }
 
     /// Smallest and largest corner of everything triangles use; `None` when there are none.

@@ -31,10 +31,15 @@ impl TransferredRadiance {
     pub fn new(transfer: &Transfer, light: &IncidentLight) -> Option<Self> {
         let matrices = transfer.matrices.as_ref()?;
         let no_back = Vec::new();
-        let backs = transfer.back.as_ref().map_or(&no_back, |back: &BackTransfer| &back.vertices);
+        let backs = transfer
+            .back
+            .as_ref()
+            .map_or(&no_back, |back: &BackTransfer| &back.vertices);
         Some(Self {
             order: matrices.order,
-            front: applied(transfer, matrices, &matrices.coefficients, light, |side| side),
+            front: applied(transfer, matrices, &matrices.coefficients, light, |side| {
+                side
+            }),
             back: applied(transfer, matrices, &matrices.back, light, |side| {
                 backs[side] as usize
             }),
@@ -68,10 +73,16 @@ fn applied(
     #[cfg(feature = "bake")]
     {
         use rayon::prelude::*;
-        radiance.par_chunks_exact_mut(3 * rows).enumerate().for_each(one);
+        radiance
+            .par_chunks_exact_mut(3 * rows)
+            .enumerate()
+            .for_each(one);
     }
     #[cfg(not(feature = "bake"))]
-    radiance.chunks_exact_mut(3 * rows).enumerate().for_each(one);
+    radiance
+        .chunks_exact_mut(3 * rows)
+        .enumerate()
+        .for_each(one);
     radiance
 }
 
@@ -169,10 +180,20 @@ impl Outgoing {
         transferred: &TransferredRadiance,
         eye: DVec3,
     ) -> Vec<[f32; 3]> {
-        assert_eq!(self.positions.len(), transfer.vertex_count(), "one matrix per vertex");
-        assert_eq!(self.order, transferred.order, "radiance of the order asked for");
+        assert_eq!(
+            self.positions.len(),
+            transfer.vertex_count(),
+            "one matrix per vertex"
+        );
+        assert_eq!(
+            self.order, transferred.order,
+            "radiance of the order asked for"
+        );
         let no_back = Vec::new();
-        let backs = transfer.back.as_ref().map_or(&no_back, |back| &back.vertices);
+        let backs = transfer
+            .back
+            .as_ref()
+            .map_or(&no_back, |back| &back.vertices);
         let one = |work: &mut Work, vertex: usize| {
             let view = (eye - self.positions[vertex].as_dvec3()).normalize_or_zero();
             let normal = self.normals[vertex].as_dvec3().normalize_or(DVec3::Z);
@@ -196,7 +217,9 @@ impl Outgoing {
         #[cfg(not(feature = "bake"))]
         {
             let mut work = Work::new(self.order);
-            (0..self.positions.len()).map(|vertex| one(&mut work, vertex)).collect()
+            (0..self.positions.len())
+                .map(|vertex| one(&mut work, vertex))
+                .collect()
         }
     }
 
@@ -210,7 +233,14 @@ impl Outgoing {
     ) -> [f32; 3] {
         let albedo = self.albedos[vertex].as_dvec3();
         let reflector = &self.reflectors[self.materials[vertex] as usize];
-        reflector.toward(albedo, normal, view, &work.rotation, &mut work.o, &mut work.scratch);
+        reflector.toward(
+            albedo,
+            normal,
+            view,
+            &work.rotation,
+            &mut work.o,
+            &mut work.scratch,
+        );
         let count = self.order.count();
         std::array::from_fn(|channel| {
             let o = &work.o[channel * count..][..count];

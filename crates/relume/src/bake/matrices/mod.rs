@@ -11,6 +11,8 @@
 mod bounce;
 mod expand;
 mod kernel;
+#[cfg(test)]
+mod tests;
 
 use std::sync::Arc;
 
