@@ -1,5 +1,6 @@
 //! Every flag of the program, once.
 
+mod brdf;
 mod parse;
 
 use std::path::PathBuf;
@@ -9,6 +10,7 @@ use relume::bake::Engine;
 use relume::basis::Order;
 use relume::light::{EnvSpec, LayoutChoice, Turn, WindowChoice};
 
+pub use brdf::BrdfArgs;
 pub use parse::{Exposure, MaxEdge, Samples};
 
 /// Precomputed radiance transfer: bake how light moves through a scene once, then relight it.
@@ -69,6 +71,8 @@ Examples:
   relume bake scan.ply -o baked.glb --samples 4096 --order 7 --albedo 0.6,0.5,0.4
   relume bake scan.ply -o baked.glb --error 0.005                 as many rays as half a percent takes
   relume bake city.glb -o baked.glb --bounces 2 --resume          go on after Ctrl-C or a crash
+  relume bake pot.glb -o baked.glb --transfer glossy --bounces 2  metal and plastic, as the materials say
+  relume bake scan.ply -o baked.glb --transfer glossy --brdf phong --kd 0.3,0.2,0.1 --ks 0.5 --exponent 20
 
 The asset is a .glb that any glTF viewer opens; the transfer is in it as an extension.")]
 pub struct BakeArgs {
@@ -89,9 +93,14 @@ pub struct BakeArgs {
     /// Interreflections; 0 is shadowed direct light
     #[arg(long, value_name = "K", default_value_t = 0, value_parser = parse::bounces)]
     pub bounces: u32,
-    /// What is baked; glossy transfer is not there yet
+    /// What is baked: for diffuse surfaces, or for glossy ones too (matrices: 100 times the size at order 10)
     #[arg(long, value_enum, default_value_t = TransferArg::Diffuse)]
     pub transfer: TransferArg,
+    /// Order of transferred radiance in glossy transfer [default: what the materials need, 10 at most]
+    #[arg(long, value_name = "M", value_parser = parse::order)]
+    pub transfer_order: Option<Order>,
+    #[command(flatten)]
+    pub brdf: BrdfArgs,
     /// Linear albedo for all surfaces, instead of the scene's
     #[arg(long, value_name = "R,G,B", value_parser = parse::albedo)]
     pub albedo: Option<[f32; 3]>,
@@ -128,6 +137,8 @@ pub struct BakeArgs {
 pub enum TransferArg {
     /// One vector per vertex
     Diffuse,
+    /// One matrix per vertex, for surfaces that look different from each side
+    Glossy,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -185,13 +196,17 @@ pub struct LightFileArgs {
 /// Radiance at every vertex of a baked asset, for numpy
 #[derive(Args)]
 #[command(after_help = "\
-Example:
-  relume shade baked.glb --light studio.hdr -o radiance.npz")]
+Examples:
+  relume shade baked.glb --light studio.hdr -o radiance.npz
+  relume shade glossy.glb --light studio.hdr --eye 2,1,3 -o radiance.npz")]
 pub struct ShadeArgs {
     /// A baked asset
     pub asset: PathBuf,
     #[command(flatten)]
     pub light: LightArgs,
+    /// Where glossy surfaces are seen from
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::point, allow_hyphen_values = true)]
+    pub eye: Option<glam::Vec3>,
     /// The .npz to write: position, normal, radiance, each [V, 3]
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,

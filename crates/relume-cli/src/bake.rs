@@ -6,13 +6,17 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use clap::CommandFactory;
+use clap::error::ErrorKind;
 use relume::asset::{self, Asset, Precision};
 use relume::bake::checkpoint::{Checkpoint, CheckpointError, Fingerprint};
 use relume::bake::{self, BakeOptions, Baked, Monitor, Report};
 use relume::files;
 use relume::scene::{self, ImportOptions, Scene, World};
 
-use crate::args::{BakeArgs, MaxEdge, PrecisionArg, Samples};
+use relume::basis::Order;
+
+use crate::args::{BakeArgs, Cli, MaxEdge, PrecisionArg, Samples, TransferArg};
 use crate::failure::Failure;
 use crate::inputs::{check_extension, check_output, shown, warn};
 use crate::progress::{self, bytes, grouped};
@@ -21,9 +25,10 @@ use crate::{interrupt, json};
 pub fn run(args: &BakeArgs) -> Result<(), Failure> {
     check_extension(&args.output, &["glb"])?;
     check_output(&args.output, &[&args.scene])?;
+    check_glossy(args);
     let scene = loaded(args)?;
     let world = World::new(&scene);
-    let options = options(args);
+    let options = options(args, &world)?;
     options.check(&world)?;
     let fingerprint = fingerprint(args, &world, &scene, &options);
     if args.resume
@@ -76,12 +81,32 @@ fn write(args: &BakeArgs, asset: &Asset, report: &Report, seconds: f64) -> Resul
     Ok(())
 }
 
+/// Ends with status 2 where flags of glossy transfer do not go together.
+fn check_glossy(args: &BakeArgs) {
+    let only = args.transfer_order.is_some() || args.brdf.brdf.is_some();
+    let wrong = match args.transfer {
+        TransferArg::Diffuse if only => {
+            Err("--transfer-order and --brdf are of --transfer glossy".to_owned())
+        }
+        TransferArg::Glossy if args.gather => Err("--gather is of diffuse transfer".to_owned()),
+        _ => args.brdf.check(),
+    };
+    if let Err(what) = wrong {
+        Cli::command()
+            .error(ErrorKind::ArgumentConflict, what)
+            .exit();
+    }
+}
+
 /// The scene as it is baked, and what is to be said of it.
 fn loaded(args: &BakeArgs) -> Result<Scene, Failure> {
     let options = ImportOptions {
         albedo: args.albedo,
     };
-    let scene = scene::load(&args.scene, &options)?;
+    let mut scene = scene::load(&args.scene, &options)?;
+    if args.transfer == TransferArg::Glossy {
+        args.brdf.apply(&mut scene)?;
+    }
     for warning in &scene.warnings {
         warn(&format!("{}: {warning}", shown(&args.scene)));
     }
@@ -117,15 +142,16 @@ const AUTO_ERROR: f64 = 0.01;
 /// The most rays that a vertex casts on its way to an error.
 const MOST_SAMPLES: u32 = 1 << 16;
 
-fn options(args: &BakeArgs) -> BakeOptions {
+fn options(args: &BakeArgs, world: &World) -> Result<BakeOptions, Failure> {
     let auto = (args.samples == Some(Samples::Auto)).then_some(AUTO_ERROR);
     let error = args.error.or(auto);
     let usual = match error {
         Some(_) => MOST_SAMPLES,
         None => BakeOptions::default().samples,
     };
-    BakeOptions {
+    Ok(BakeOptions {
         order: args.order,
+        transfer_order: transfer_order(args, world)?,
         samples: match args.samples {
             Some(Samples::Count(samples)) => samples,
             _ => usual,
@@ -142,8 +168,33 @@ fn options(args: &BakeArgs) -> BakeOptions {
         },
         engine: args.tracer.clone(),
         ..BakeOptions::default()
-    }
+    })
 }
+
+/// The order asked for, or the one that the materials need; none for diffuse transfer.
+fn transfer_order(args: &BakeArgs, world: &World) -> Result<Option<Order>, Failure> {
+    if args.transfer == TransferArg::Diffuse || args.transfer_order.is_some() {
+        return Ok(args.transfer_order);
+    }
+    let mut wanted = args.order;
+    for material in &world.materials {
+        wanted = wanted.max(material.reflection.bandwidth(Order::new(HIGHEST_WANTED)?)?);
+    }
+    let taken = wanted.min(args.order.max(Order::new(MOST_BY_DEFAULT)?));
+    let cut = match taken < wanted {
+        true => format!(
+            "; the materials would need {wanted} or more: give --transfer-order for sharper highlights"
+        ),
+        false => String::new(),
+    };
+    eprintln!("transfer order {taken}{cut}");
+    Ok(Some(taken))
+}
+
+/// Orders that the bandwidth of materials is looked for in.
+const HIGHEST_WANTED: usize = 16;
+/// The highest transfer order that nobody asked for.
+const MOST_BY_DEFAULT: usize = 10;
 
 /// What the bytes of the asset depend on, named as on the command line.
 fn fingerprint(
@@ -175,6 +226,12 @@ fn fingerprint(
         ("source", scene.source_hash.clone()),
     ];
     // Named only where it is not the usual one, so that f32 bakes are still what they were before there were others.
+    if let Some(transfer) = options.transfer_order {
+        named.push(("--transfer-order", transfer.to_string()));
+        let reflection = scene.reflection_override.as_ref();
+        let said = reflection.map_or("none".to_owned(), |r| format!("{r:?}"));
+        named.push(("--brdf", said));
+    }
     if options.precision != Precision::F32 {
         named.push(("--precision", options.precision.token().to_owned()));
     }

@@ -24,6 +24,10 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
         check_output(path, &inputs)?;
     }
     let (asset, world) = inputs::open_asset(&args.asset)?;
+    if asset.transfer.matrices.is_some() {
+        let what = "glossy assets cannot be compared yet; bake it with --transfer diffuse";
+        return Err(Failure::new(format!("{}: {what}", shown(&args.asset))));
+    }
     let environment = inputs::open_environment(&args.light.env, &args.light.change)?;
     let light = inputs::project(&environment, asset.transfer.order, &args.light.change)?.light;
     let CompareArgs {

@@ -69,6 +69,7 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
         world: &world,
         tracer: &tracer,
         camera,
+        outgoing: None,
     };
     let studio = Studio {
         view,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use glam::{DVec3, Vec3};
 use relume::bake::trace::Tracer;
-use relume::display::{Camera, RaycastOptions, ToneMap};
+use relume::display::{self, Camera, RaycastOptions, ToneMap};
 use relume::light::{Environment, ShLight, Turn};
 use relume::scene::World;
 
@@ -31,6 +31,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         world: &world,
         tracer: &tracer,
         camera: camera(args, &world),
+        outgoing: display::outgoing(&world, &asset.transfer)?,
     };
     let (start, transfer) = (view.camera, &asset.transfer);
     let exposure = view.exposure(args.exposure, transfer, &light, args.size)?;

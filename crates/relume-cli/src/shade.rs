@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use relume::asset;
+use relume::asset::{self, Asset};
 use relume::light::IncidentLight;
-use relume::shade;
+use relume::scene::World;
+use relume::shade::{self, Outgoing, TransferredRadiance};
 
 use crate::args::ShadeArgs;
 use crate::failure::Failure;
@@ -19,7 +20,21 @@ pub fn run(args: &ShadeArgs) -> Result<(), Failure> {
     let (asset, world) = inputs::open_asset(&args.asset)?;
     let environment = inputs::open_environment(&args.light.env, &args.light.change)?;
     let light = inputs::project(&environment, asset.transfer.order, &args.light.change)?.light;
-    let radiance = shade::radiance(&world, &asset.transfer, &IncidentLight::Distant(light));
+    let light = IncidentLight::Distant(light);
+    let radiance = match (glossy(&args.asset, &world, &asset, &light)?, args.eye) {
+        (Some((outgoing, transferred)), Some(eye)) => {
+            outgoing.radiance(&asset.transfer, &transferred, eye.as_dvec3())
+        }
+        (None, None) => shade::radiance(&world, &asset.transfer, &light),
+        (Some(_), None) => {
+            let what = "glossy surfaces look different from each side; add --eye X,Y,Z";
+            return Err(Failure::new(format!("{}: {what}", shown(&args.asset))));
+        }
+        (None, Some(_)) => {
+            let what = "diffuse surfaces look the same from everywhere; leave --eye out";
+            return Err(Failure::new(format!("{}: {what}", shown(&args.asset))));
+        }
+    };
     asset::export_radiance(&world, &asset.transfer.valid, &radiance, &args.output)?;
     eprintln!(
         "wrote {}: radiance of {} vertices",
@@ -27,4 +42,19 @@ pub fn run(args: &ShadeArgs) -> Result<(), Failure> {
         radiance.len()
     );
     Ok(())
+}
+
+/// What a glossy asset's surfaces make of the light; `None` for a diffuse one.
+fn glossy(
+    path: &std::path::Path,
+    world: &World,
+    asset: &Asset,
+    light: &IncidentLight,
+) -> Result<Option<(Outgoing, TransferredRadiance)>, Failure> {
+    let Some(transferred) = TransferredRadiance::new(&asset.transfer, light) else {
+        return Ok(None);
+    };
+    let outgoing = Outgoing::new(world, transferred.order)
+        .map_err(|error| Failure::new(format!("{}: {error}", shown(path))))?;
+    Ok(Some((outgoing, transferred)))
 }

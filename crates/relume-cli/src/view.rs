@@ -3,9 +3,11 @@
 use glam::Vec3;
 use relume::asset::Transfer;
 use relume::bake::trace::Tracer;
-use relume::display::{self, Camera, CameraError, Picture, RaycastOptions, VertexRadiance};
+use relume::display::{self, Camera, CameraError, GlossyRadiance, Picture, Radiance};
+use relume::display::{RaycastOptions, VertexRadiance};
 use relume::light::{IncidentLight, ShLight};
 use relume::scene::World;
+use relume::shade::Outgoing;
 
 use crate::args::Exposure;
 
@@ -14,6 +16,8 @@ pub struct View<'a> {
     pub world: &'a World,
     pub tracer: &'a Tracer<'a>,
     pub camera: Camera,
+    /// What glossy surfaces make of light; none in a diffuse asset.
+    pub outgoing: Option<Outgoing>,
 }
 
 /// Radiance by direction, where there is no surface.
@@ -28,11 +32,21 @@ impl View<'_> {
         background: &Background,
         options: &RaycastOptions,
     ) -> Result<Picture, CameraError> {
-        let radiance = VertexRadiance::new(transfer, &IncidentLight::Distant(light.clone()));
+        let light = IncidentLight::Distant(light.clone());
+        let glossy = self.outgoing.as_ref();
+        let glossy = glossy.and_then(|outgoing| GlossyRadiance::new(outgoing, transfer, &light));
+        let diffuse;
+        let radiance: &dyn Radiance = match &glossy {
+            Some(glossy) => glossy,
+            None => {
+                diffuse = VertexRadiance::new(transfer, &light);
+                &diffuse
+            }
+        };
         display::render(
             self.world,
             self.tracer,
-            &radiance,
+            radiance,
             background,
             &self.camera,
             options,

@@ -191,8 +191,8 @@ impl Bench {
     fn against(&self, ours: &[[f32; 3]], exact: &[Estimate]) -> (f64, f64) {
         let (mut off, mut noise, mut all) = (0.0, 0.0, 0.0);
         for (&vertex, exact) in self.vertices.iter().zip(exact) {
-            for c in 0..3 {
-                off += (f64::from(ours[vertex][c]) - exact.mean[c]).powi(2);
+            for (c, ours) in ours[vertex].into_iter().enumerate() {
+                off += (f64::from(ours) - exact.mean[c]).powi(2);
                 noise += exact.standard_error[c].powi(2);
                 all += exact.mean[c].powi(2);
             }

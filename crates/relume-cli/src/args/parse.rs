@@ -75,6 +75,20 @@ pub fn albedo(text: &str) -> Result<[f32; 3], String> {
     Err("albedo is the share of light reflected: three numbers in 0…1".to_owned())
 }
 
+pub fn share(text: &str) -> Result<f32, String> {
+    match text.parse() {
+        Ok(share) if (0.0..=1.0).contains(&share) => Ok(share),
+        _ => Err("not a number in 0…1".to_owned()),
+    }
+}
+
+pub fn exponent(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(exponent) if (0.0..=10_000.0).contains(&exponent) => Ok(exponent),
+        _ => Err("not a number in 0…10000".to_owned()),
+    }
+}
+
 pub fn point(text: &str) -> Result<Vec3, String> {
     three(text).map(Vec3::from)
 }

@@ -59,6 +59,7 @@ pub fn write(
         world,
         tracer: &tracer,
         camera,
+        outgoing: None,
     };
     let exposure = view.exposure(Exposure::Auto, transfer, light, (width, height))?;
     let options = RaycastOptions {

@@ -5,6 +5,7 @@ use serde_json::Value;
 
 use super::{Precision, Provenance, Transfer, TransferKind};
 use crate::basis::Order;
+use crate::brdf::{self, Reflection};
 
 /// Name of the extension.
 pub const NAME: &str = "RELUME_transfer";
@@ -53,6 +54,8 @@ pub struct Header {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     transfer_order: Option<usize>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    brdf: Option<Brdf>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     bin: Option<Beside>,
 }
 
@@ -64,6 +67,92 @@ pub struct Beside {
     pub byte_length: u64,
     /// CRC-32 of all of it, eight hex digits.
     pub crc32: String,
+}
+
+/// How all surfaces of a scene reflect.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "model", rename_all = "lowercase")]
+pub enum Brdf {
+    /// By their albedo.
+    Lambert {},
+    /// By colours of its own.
+    Phong {
+        diffuse: [f64; 3],
+        specular: [f64; 3],
+        exponent: f64,
+    },
+    /// By their albedo as base colour.
+    Ggx { metallic: f32, roughness: f32 },
+}
+
+impl Brdf {
+    /// `None` for what a header cannot hold.
+    pub fn of(reflection: &Reflection) -> Option<Self> {
+        match reflection {
+            Reflection::Diffuse => Some(Self::Lambert {}),
+            &Reflection::MetallicRoughness {
+                metallic,
+                roughness,
+            } => Some(Self::Ggx {
+                metallic,
+                roughness,
+            }),
+            Reflection::Fixed(brdf::Brdf::Phong(phong)) => Some(Self::Phong {
+                diffuse: phong.diffuse.to_array(),
+                specular: phong.specular.to_array(),
+                exponent: phong.exponent,
+            }),
+            Reflection::Fixed(_) => None,
+        }
+    }
+
+    /// The reflection.
+    pub fn reflection(self) -> Reflection {
+        match self {
+            Self::Lambert {} => Reflection::Diffuse,
+            Self::Phong {
+                diffuse,
+                specular,
+                exponent,
+            } => Reflection::Fixed(brdf::Brdf::from(brdf::Phong {
+                diffuse: diffuse.into(),
+                specular: specular.into(),
+                exponent,
+            })),
+            Self::Ggx {
+                metallic,
+                roughness,
+            } => Reflection::MetallicRoughness {
+                metallic,
+                roughness,
+            },
+        }
+    }
+
+    fn checked(self) -> Result<Self, String> {
+        let whole = match self {
+            Self::Lambert {} => true,
+            Self::Phong {
+                diffuse,
+                specular,
+                exponent,
+            } => {
+                let colours = diffuse.iter().chain(&specular);
+                colours.into_iter().all(|x| (0.0..=1.0).contains(x))
+                    && (0.0..=1e6).contains(&exponent)
+            }
+            Self::Ggx {
+                metallic,
+                roughness,
+            } => [metallic, roughness]
+                .iter()
+                .all(|x| (0.0..=1.0).contains(x)),
+        };
+        match whole {
+            true => Ok(self),
+            false => Err("has a brdf with a number out of its range".to_owned()),
+        }
+    }
 }
 
 /// One glTF primitive's transfer.
@@ -123,6 +212,8 @@ pub struct Meaning {
     pub source_hash: String,
     /// Order of transferred radiance, where there are matrices.
     pub transfer_order: Option<Order>,
+    /// How all surfaces reflect, in place of what materials say.
+    pub brdf: Option<Brdf>,
     /// Where the transfer lies if it is not in the file itself.
     pub beside: Option<Beside>,
 }
@@ -141,6 +232,7 @@ impl Meaning {
             albedo,
             source_hash: source_hash.to_owned(),
             transfer_order: transfer.matrices.as_ref().map(|matrices| matrices.order),
+            brdf: None,
             beside: None,
         }
     }
@@ -172,6 +264,7 @@ pub fn to_json(meaning: &Meaning, primitives: &[Primitive]) -> Value {
             .as_ref()
             .map(|hash| format!("sha256:{hash}")),
         transfer_order: meaning.transfer_order.map(Order::get),
+        brdf: meaning.brdf,
         bin: meaning.beside.clone(),
     };
     let mut json = serde_json::Map::new();
@@ -290,6 +383,7 @@ impl Header {
             source_hash: hash.to_owned(),
             transfer_order: transfer_order
                 .map_err(|e| format!("has an impossible transferOrder: {e}"))?,
+            brdf: self.brdf.map(Brdf::checked).transpose()?,
             beside: self.bin.clone(),
         })
     }

@@ -93,6 +93,9 @@ fn assemble(
     if let Some(albedo) = meaning.albedo {
         crate::scene::override_albedo(&mut scene, albedo)?;
     }
+    if let Some(brdf) = meaning.brdf {
+        crate::scene::override_reflection(&mut scene, brdf.reflection());
+    }
     scene.source_hash = meaning.source_hash;
     Ok(Asset { scene, transfer })
 }

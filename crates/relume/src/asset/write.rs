@@ -179,6 +179,7 @@ fn plan(asset: &Asset, beside: Option<String>) -> Result<Builder<'_>, AssetError
         gather.put(&mut builder)?;
     }
     let mut meaning = Meaning::of(transfer, &scene.source_hash, scene.albedo_override);
+    meaning.brdf = brdf(scene)?;
     meaning.beside = builder.beside().map(|bin| Beside {
         byte_length: bin.len(),
         // Not known before it is written.
@@ -192,6 +193,17 @@ fn plan(asset: &Asset, beside: Option<String>) -> Result<Builder<'_>, AssetError
     }
     builder.array("extensionsUsed")?.push(header::NAME.into());
     Ok(builder)
+}
+
+/// How all surfaces reflect, where materials do not say it.
+fn brdf(scene: &Scene) -> Result<Option<header::Brdf>, AssetError> {
+    let Some(reflection) = &scene.reflection_override else {
+        return Ok(None);
+    };
+    let brdf = header::Brdf::of(reflection);
+    let unknown = || "a BRDF that files cannot hold yet: bake with lambert, phong or ggx";
+    brdf.map(Some)
+        .ok_or_else(|| AssetError::Unwritable(unknown().to_owned()))
 }
 
 /// What the extension of each node says of its primitives; their arrays are added.

@@ -80,7 +80,7 @@ pub struct Progress {
 pub struct Monitor<'a> {
     /// Called after each tile, from any thread.
     pub progress: &'a (dyn Fn(Progress) + Sync),
-    /// Set it, and the bake returns [`BakeError::Cancelled`] within a tile's time.
+    /// Set it, and the bake returns [`BakeError::Cancelled`] once each thread is done with its vertex.
     pub cancelled: &'a AtomicBool,
 }
 

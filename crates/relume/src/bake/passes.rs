@@ -58,6 +58,7 @@ impl Passes<'_> {
                 let mut finds = Vec::with_capacity(self.receivers_of(tile).len());
                 let mut kept = operator.map(|_| OperatorRows::new(self.stage.weight_channels));
                 for (i, row) in rows.chunks_mut(count).enumerate() {
+                    self.go_on()?;
                     let receiver = tile * self.tile + i;
                     finds.push(gather::direct(
                         self.stage,
@@ -96,6 +97,7 @@ impl Passes<'_> {
             |scratch, tile, rows| {
                 let operator = self.operator_of(operator, tile, scratch)?;
                 for (i, row) in rows.chunks_mut(stride).enumerate() {
+                    self.go_on()?;
                     gather::bounce(
                         self.stage,
                         operator.row(i),
@@ -126,6 +128,7 @@ impl Passes<'_> {
         let mut row = vec![0.0; self.stage.order.count()];
         let mut rays = 0;
         for receiver in self.receivers_of(tile) {
+            self.go_on()?;
             rays += u64::from(
                 gather::direct(self.stage, receiver, scratch, &mut row, Some(&mut rows)).samples,
             );
@@ -253,10 +256,14 @@ impl Passes<'_> {
             total: self.stage.receivers.len() as u64 * u64::from(self.passes),
             rays: self.counters.rays.load(Ordering::Relaxed),
         });
-        if self.monitor.cancelled.load(Ordering::Relaxed) {
-            Err(BakeError::Cancelled)
-        } else {
-            Ok(())
+        self.go_on()
+    }
+
+    /// Refuses once the bake is cancelled. A tile of many rays takes a minute: each receiver asks.
+    pub fn go_on(&self) -> Result<(), BakeError> {
+        match self.monitor.cancelled.load(Ordering::Relaxed) {
+            true => Err(BakeError::Cancelled),
+            false => Ok(()),
         }
     }
 

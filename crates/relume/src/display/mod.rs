@@ -1,6 +1,8 @@
 //! From radiance to pictures: camera, exposure and tone map, PNG and EXR, and a headless ray-cast picture of a baked scene.
 
 mod camera;
+#[cfg(feature = "bake")]
+mod glossy;
 mod picture;
 #[cfg(feature = "bake")]
 mod raycast;
@@ -9,9 +11,11 @@ mod tone;
 mod write;
 
 pub use camera::{Camera, CameraError, Frame, PixelRays};
+#[cfg(feature = "bake")]
+pub use glossy::{GlossyRadiance, outgoing};
 pub use picture::{Picture, stack, strip};
 #[cfg(feature = "bake")]
-pub use raycast::{RaycastOptions, VertexRadiance, render};
+pub use raycast::{Radiance, RaycastOptions, VertexRadiance, render};
 pub use tone::{ToneMap, srgb_code};
 #[cfg(feature = "images")]
 pub use write::PictureError;

@@ -36,6 +36,36 @@ impl VertexRadiance {
     }
 }
 
+/// What surfaces look like where a camera ray meets them.
+pub trait Radiance: Sync {
+    /// Panics when it is not of this world.
+    fn check(&self, world: &World);
+
+    /// Radiance against a ray's direction from the point it hit, whose side is not dead.
+    fn seen(&self, world: &World, direction: Vec3, hit: &Hit) -> Vec3;
+}
+
+impl Radiance for VertexRadiance {
+    fn check(&self, world: &World) {
+        let vertices = world.positions.len();
+        assert_eq!(self.front.len(), vertices, "one radiance per vertex");
+        assert!(
+            self.back.is_empty() || self.back.len() == vertices,
+            "one back radiance per vertex, or none"
+        );
+    }
+
+    fn seen(&self, world: &World, _: Vec3, hit: &Hit) -> Vec3 {
+        let shown = if hit.front { &self.front } else { &self.back };
+        if shown.is_empty() {
+            return Vec3::ZERO;
+        }
+        let weights = hit.weights();
+        let transferred = world.interpolate(hit.triangle, weights, |i| Vec3::from(shown[i]));
+        world.surface(hit.triangle, weights).albedo * transferred
+    }
+}
+
 /// Size and quality of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RaycastOptions {
@@ -60,10 +90,11 @@ impl Default for RaycastOptions {
 /// Pixels along the side of the square tiles that are worked on together.
 const TILE: u32 = 8;
 
-/// The picture: albedo at the point each ray hits (textures at pixel rate) × transferred radiance interpolated from the vertices.
+/// The picture: for diffuse surfaces ([`VertexRadiance`]) albedo at the point each ray hits (textures at pixel rate) × transferred radiance
+/// interpolated from the vertices.
 ///
 /// The side seen is that of the triangle's plane: backs of single-sided surfaces are black, those of double-sided ones show
-/// `radiance.back`. The holes of an alpha mask let rays through; rays that leave the scene see `background` (radiance by unit
+/// their own. The holes of an alpha mask let rays through; rays that leave the scene see `background` (radiance by unit
 /// direction). Pixels are averages of radiance over their area (box filter). The same bytes for any number of threads.
 ///
 /// # Errors
@@ -71,17 +102,12 @@ const TILE: u32 = 8;
 pub fn render(
     world: &World,
     tracer: &Tracer<'_>,
-    radiance: &VertexRadiance,
+    radiance: &dyn Radiance,
     background: &(dyn Fn(Vec3) -> [f32; 3] + Sync),
     camera: &Camera,
     options: &RaycastOptions,
 ) -> Result<Picture, CameraError> {
-    let vertices = world.positions.len();
-    assert_eq!(radiance.front.len(), vertices, "one radiance per vertex");
-    assert!(
-        radiance.back.is_empty() || radiance.back.len() == vertices,
-        "one back radiance per vertex, or none"
-    );
+    radiance.check(world);
     let rays = camera.pixel_rays(options.width, options.height)?;
     let view = View {
         world,
@@ -114,7 +140,7 @@ pub fn render(
 struct View<'a> {
     world: &'a World,
     tracer: &'a Tracer<'a>,
-    radiance: &'a VertexRadiance,
+    radiance: &'a dyn Radiance,
     background: &'a (dyn Fn(Vec3) -> [f32; 3] + Sync),
     rays: PixelRays,
     /// Where in a pixel its rays go through.
@@ -155,21 +181,10 @@ impl View<'_> {
         if !hit.is_hit() {
             return Vec3::from((self.background)(direction));
         }
-        let shown: &[[f32; 3]] = if hit.front {
-            &self.radiance.front
-        } else if self.world.material(hit.triangle).double_sided {
-            &self.radiance.back
-        } else {
-            &[]
-        };
-        if shown.is_empty() {
+        if !hit.front && !self.world.material(hit.triangle).double_sided {
             return Vec3::ZERO;
         }
-        let weights = hit.weights();
-        let transferred = self
-            .world
-            .interpolate(hit.triangle, weights, |i| Vec3::from(shown[i]));
-        self.world.surface(hit.triangle, weights).albedo * transferred
+        self.radiance.seen(self.world, direction, hit)
     }
 }
 

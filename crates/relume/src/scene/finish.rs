@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::error::{MAX_COORDINATE, check_totals};
 use super::{AlphaMode, Mesh, Scene, SceneError, normals};
+use crate::brdf::Reflection;
 use crate::files::printable;
 
 /// What was repaired while importing, over all meshes, so that it is said once.
@@ -195,6 +196,14 @@ pub fn override_albedo(scene: &mut Scene, albedo: [f32; 3]) -> Result<(), SceneE
     }
     scene.albedo_override = Some(albedo);
     Ok(())
+}
+
+/// Lets all surfaces reflect like this, whatever their materials say of it.
+pub fn override_reflection(scene: &mut Scene, reflection: Reflection) {
+    for material in &mut scene.materials {
+        material.reflection = reflection.clone();
+    }
+    scene.reflection_override = Some(reflection);
 }
 
 #[cfg(test)]

@@ -27,7 +27,7 @@ mod triangles;
 mod world;
 
 pub use error::SceneError;
-pub use finish::override_albedo;
+pub use finish::{override_albedo, override_reflection};
 #[cfg(feature = "import")]
 pub use load::{ImportOptions, SceneFormat, from_bytes, load};
 pub use material::{AlphaMode, Material, Sampler, Texture, Wrap, srgb_to_linear};
@@ -54,6 +54,8 @@ pub struct Scene {
     pub source_hash: String,
     /// The linear albedo that [`override_albedo`] gave to everything, which the document does not know of.
     pub albedo_override: Option<[f32; 3]>,
+    /// How [`override_reflection`] lets everything reflect, which the document does not know of.
+    pub reflection_override: Option<crate::brdf::Reflection>,
     /// One line each, for the person who imported: what was assumed, ignored or repaired.
     pub warnings: Vec<String>,
 }

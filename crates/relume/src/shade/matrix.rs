@@ -171,6 +171,11 @@ impl Outgoing {
         })
     }
 
+    /// What a material makes of transferred radiance.
+    pub fn reflector(&self, material: u32) -> &Reflector {
+        &self.reflectors[material as usize]
+    }
+
     /// Radiance that leaves every vertex toward `eye`: of its front, or of its back where it has one and the eye is behind it; else black.
     ///
     /// Panics when the transfer and the radiance are not of this world.

@@ -16,6 +16,11 @@ fn meaning() -> Meaning {
         albedo: None,
         source_hash: String::new(),
         transfer_order: Some(Order::new(10).unwrap()),
+        brdf: Some(Brdf::Phong {
+            diffuse: [0.5, 0.25, 0.0],
+            specular: [0.125; 3],
+            exponent: 20.0,
+        }),
         beside: None,
     }
 }

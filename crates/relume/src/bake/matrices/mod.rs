@@ -119,6 +119,7 @@ pub fn expanded(passes: &Passes, plan: &Plan, visibility: &[f32]) -> Result<Rows
         |expand, tile, rows| {
             let receivers = passes.receivers_of(tile);
             for (receiver, row) in receivers.zip(rows.chunks_mut(count)) {
+                passes.go_on()?;
                 let normal = stage.receivers.get(receiver, stage.seed).normal;
                 let visibility = &visibility[receiver * of..][..of];
                 expand.receiver(normal.as_dvec3(), visibility, row);
@@ -144,6 +145,7 @@ fn bounced(
         || Bounce::new(passes.stage, plan),
         |scratch, tile, rows| {
             for (receiver, row) in passes.receivers_of(tile).zip(rows.chunks_mut(stride)) {
+                passes.go_on()?;
                 scratch.receiver(receiver, found[receiver], previous, channels, row);
             }
             passes.cast(scratch.rays_cast());

@@ -163,8 +163,8 @@ fn against_paths(world: &World, options: &BakeOptions, vertices: &[usize]) -> (f
     let exact = estimate_outgoing(world, &surfaces, &seen, &sh_radiance(&light), &paths);
     let (mut off, mut noise, mut all) = (0.0, 0.0, 0.0);
     for (&vertex, exact) in vertices.iter().zip(&exact) {
-        for c in 0..3 {
-            off += (f64::from(ours[vertex][c]) - exact.mean[c]).powi(2);
+        for (c, ours) in ours[vertex].into_iter().enumerate() {
+            off += (f64::from(ours) - exact.mean[c]).powi(2);
             noise += exact.standard_error[c].powi(2);
             all += exact.mean[c].powi(2);
         }

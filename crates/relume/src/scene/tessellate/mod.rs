@@ -42,6 +42,7 @@ pub fn tessellate(scene: &Scene, max_edge: f64) -> Result<Scene, SceneError> {
         document: scene.document.clone(),
         source_hash: scene.source_hash.clone(),
         albedo_override: scene.albedo_override,
+        reflection_override: scene.reflection_override.clone(),
         warnings: scene.warnings.clone(),
     };
     let (mut vertices, mut triangles) = (0, 0);

@@ -1,0 +1,99 @@
+//! What a camera sees of surfaces that are not diffuse.
+
+use glam::{DVec3, Vec3};
+
+use super::raycast::Radiance;
+use crate::asset::Transfer;
+use crate::bake::trace::Hit;
+use crate::basis::EulerRotation;
+use crate::brdf::Anisotropic;
+use crate::light::IncidentLight;
+use crate::scene::World;
+use crate::shade::{Outgoing, TransferredRadiance};
+
+/// Transferred radiance interpolated from the vertices, reflected at the point seen: its own albedo (textures at pixel rate), normal and material
+/// [sloan2005, bi-scale transfer].
+pub struct GlossyRadiance<'a> {
+    outgoing: &'a Outgoing,
+    transferred: TransferredRadiance,
+    /// By vertex: its back's place among the backs, plus one; 0 without.
+    backs: Vec<u32>,
+    rotation: EulerRotation,
+}
+
+impl<'a> GlossyRadiance<'a> {
+    /// What `transfer` makes of `light`, to be seen through `outgoing`; `None` for a transfer without matrices.
+    pub fn new(outgoing: &'a Outgoing, transfer: &Transfer, light: &IncidentLight) -> Option<Self> {
+        let transferred = TransferredRadiance::new(transfer, light)?;
+        let mut backs = vec![0; transfer.vertex_count()];
+        let two_sided = transfer.back.iter().flat_map(|back| &back.vertices);
+        for (&vertex, place) in two_sided.zip(1..) {
+            backs[vertex as usize] = place;
+        }
+        Some(Self {
+            outgoing,
+            rotation: EulerRotation::new(transferred.order),
+            transferred,
+            backs,
+        })
+    }
+
+    /// Transferred radiance at a vertex's side.
+    fn side(&self, vertex: usize, front: bool) -> Option<&[f32]> {
+        let stride = 3 * self.transferred.order.count();
+        let (all, place) = match (front, self.backs[vertex]) {
+            (true, _) => (&self.transferred.front, vertex),
+            (false, 0) => return None,
+            (false, place) => (&self.transferred.back, place as usize - 1),
+        };
+        Some(&all[place * stride..][..stride])
+    }
+}
+
+impl Radiance for GlossyRadiance<'_> {
+    fn check(&self, world: &World) {
+        let vertices = world.positions.len();
+        assert_eq!(self.backs.len(), vertices, "one matrix per vertex");
+    }
+
+    fn seen(&self, world: &World, direction: Vec3, hit: &Hit) -> Vec3 {
+        let weights = hit.weights();
+        let corners = world.triangles[hit.triangle as usize].map(|i| i as usize);
+        let count = self.transferred.order.count();
+        let mut incident = vec![0.0; 3 * count];
+        for (corner, weight) in corners.into_iter().zip(weights) {
+            let Some(side) = self.side(corner, hit.front) else {
+                return Vec3::ZERO;
+            };
+            for (sum, value) in incident.iter_mut().zip(side) {
+                *sum += f64::from(weight) * f64::from(*value);
+            }
+        }
+        let side = if hit.front { 1.0 } else { -1.0 };
+        let normal = world.interpolate(hit.triangle, weights, |i| world.normals[i]) * side;
+        let normal = normal.as_dvec3().normalize_or(DVec3::Z);
+        let view = -direction.as_dvec3().normalize();
+        let albedo = world.surface(hit.triangle, weights).albedo.as_dvec3();
+        let material = world.triangle_materials[hit.triangle as usize];
+        let (mut o, mut scratch) = (vec![0.0; 3 * count], vec![0.0; count]);
+        let reflector = self.outgoing.reflector(material);
+        reflector.toward(albedo, normal, view, &self.rotation, &mut o, &mut scratch);
+        let channel = |c: usize| -> f64 {
+            let range = c * count..(c + 1) * count;
+            let pairs = o[range.clone()].iter().zip(&incident[range]);
+            pairs.map(|(o, a)| o * a).sum()
+        };
+        DVec3::new(channel(0), channel(1), channel(2)).as_vec3()
+    }
+}
+
+/// What the materials of a scene make of what `transfer` transfers, for [`GlossyRadiance`]; `None` for a transfer without matrices.
+///
+/// # Errors
+/// [`Anisotropic`] where a BRDF does not turn with the view.
+pub fn outgoing(world: &World, transfer: &Transfer) -> Result<Option<Outgoing>, Anisotropic> {
+    let matrices = transfer.matrices.as_ref();
+    matrices
+        .map(|matrices| Outgoing::new(world, matrices.order))
+        .transpose()
+}
