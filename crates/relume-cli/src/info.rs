@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use relume::asset::{self, Asset, AssetError, TransferKind};
+use relume::basis::Order;
 use relume::light::{self, EnvMap, EnvSpec, Environment, LightOptions};
 use relume::scene::{self, ImportOptions, Scene, World};
 
@@ -43,6 +44,9 @@ fn print_asset(asset: &Asset, path: &Path) {
     };
     println!("{name}: a scene with baked light transport (precomputed radiance transfer)\n");
     print!("{}", asset::describe(asset));
+    if let Some(matrices) = &transfer.matrices {
+        return print_glossy(&name, order, matrices.order);
+    }
     println!(
         "
 What it is: a .glb that any glTF viewer opens, with {} numbers at each vertex that say how it answers to distant light, whatever the
@@ -62,6 +66,27 @@ How to relight it:
         count * channels,
         count - 1,
         count - 1,
+    );
+}
+
+/// The same for glossy transfer.
+fn print_glossy(name: &str, order: Order, transfer_order: Order) {
+    let (columns, rows) = (order.count(), transfer_order.count());
+    println!(
+        "
+What it is: a .glb that any glTF viewer opens, with a matrix at each vertex that says how it answers to distant light, whatever the light,
+and toward whatever eye. So it can be relit at once, without tracing rays again.
+
+What the numbers mean: light is {columns} numbers for each of red, green and blue (its coefficients l). A vertex receives, from all sides,
+
+    a = T l      {rows} numbers by channel: the radiance that arrives there, shadows and reflections of other surfaces in it
+
+and sends toward an eye o₀ a₀ + o₁ a₁ + …, where o is what its material makes of light from each direction (docs/conventions.md).
+
+How to relight it:
+
+    relume render {name} --light sky:30,3 -o look.png                     a picture under a sky
+    relume shade {name} --light sky:30,3 --eye 2,1,3 -o radiance.npz      the radiance of every vertex toward an eye, for numpy"
     );
 }
 

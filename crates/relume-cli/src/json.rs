@@ -5,6 +5,7 @@ use std::path::Path;
 use glam::Vec3;
 use relume::asset::{self, Asset, TransferKind};
 use relume::bake::Report;
+use relume::basis::Order;
 use relume::files::printable;
 use relume::light::{EnvMap, ShLight};
 use relume::reference::{Comparison, Interval};
@@ -54,6 +55,7 @@ fn about_asset(asset: &Asset) -> Value {
         "bounces": bounces,
         "order": about.order.get(),
         "coefficients": about.order.count(),
+        "transfer_order": about.transfer_order.map(Order::get),
         "channels": about.channels,
         "precision": about.precision.token(),
         "samples": about.samples,

@@ -13,6 +13,8 @@ pub struct Description {
     pub order: Order,
     /// 1, or 3 with interreflection.
     pub channels: usize,
+    /// Order of transferred radiance, where there are transfer matrices for glossy surfaces.
+    pub transfer_order: Option<Order>,
     /// What light paths it counts.
     pub kind: TransferKind,
     /// Rays per vertex.
@@ -58,10 +60,14 @@ pub fn describe(asset: &Asset) -> Description {
     let materials = scene.materials.iter().zip(used);
     let metallic = materials.filter(|(material, used)| *used && material.metallic > 0.0);
     let back = transfer.back.as_ref();
-    let coefficients = transfer.coefficients.len() + back.map_or(0, |b| b.coefficients.len());
+    let matrices = transfer.matrices.as_ref();
+    let coefficients = transfer.coefficients.len()
+        + back.map_or(0, |b| b.coefficients.len())
+        + matrices.map_or(0, |all| all.coefficients.len() + all.back.len());
     Description {
         order: transfer.order,
         channels: transfer.channels,
+        transfer_order: matrices.map(|all| all.order),
         kind: transfer.kind,
         samples: transfer.samples,
         seed: transfer.seed,
@@ -71,7 +77,8 @@ pub fn describe(asset: &Asset) -> Description {
         invalid: transfer.valid.iter().filter(|&&valid| !valid).count(),
         back_vertices: back.map_or(0, |back| back.vertices.len()),
         precision: transfer.precision,
-        bytes_per_vertex: transfer.precision.bytes() * transfer.stride(),
+        bytes_per_vertex: transfer.precision.bytes()
+            * (transfer.stride() + transfer.matrix_stride()),
         transfer_bytes: (transfer.precision.bytes() * coefficients) as u64,
         instances: scene.instances.len(),
         triangles: scene.triangle_count(),
@@ -96,6 +103,7 @@ impl fmt::Display for Description {
         };
         let lines = [
             ("transfer", self.kind_in_words()),
+            ("matrices", self.matrices_in_words()),
             (
                 "basis",
                 format!(
@@ -148,11 +156,24 @@ impl fmt::Display for Description {
 
 impl Description {
     fn kind_in_words(&self) -> String {
+        let surfaces = match self.transfer_order {
+            Some(_) => "glossy",
+            None => "diffuse",
+        };
         match self.kind {
-            TransferKind::Unshadowed => "diffuse, unshadowed (closed form)".to_owned(),
-            TransferKind::Shadowed { bounces: 0 } => "diffuse, shadowed direct light".to_owned(),
-            TransferKind::Shadowed { bounces: 1 } => "diffuse, shadowed, 1 bounce".to_owned(),
-            TransferKind::Shadowed { bounces } => format!("diffuse, shadowed, {bounces} bounces"),
+            TransferKind::Unshadowed => format!("{surfaces}, unshadowed (closed form)"),
+            TransferKind::Shadowed { bounces: 0 } => format!("{surfaces}, shadowed direct light"),
+            TransferKind::Shadowed { bounces: 1 } => format!("{surfaces}, shadowed, 1 bounce"),
+            TransferKind::Shadowed { bounces } => {
+                format!("{surfaces}, shadowed, {bounces} bounces")
+            }
+        }
+    }
+
+    fn matrices_in_words(&self) -> String {
+        match self.transfer_order {
+            Some(order) => format!("transferred radiance of order {order}, for glossy surfaces"),
+            None => "none: surfaces are diffuse".to_owned(),
         }
     }
 
@@ -174,6 +195,9 @@ impl Description {
         let Some(first) = self.metallic.first() else {
             return Ok(());
         };
+        if self.transfer_order.is_some() {
+            return Ok(());
+        }
         let more = match self.metallic.len() - 1 {
             0 => String::new(),
             more => format!(" (and {more} more)"),

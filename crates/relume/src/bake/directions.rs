@@ -2,12 +2,14 @@
 //!
 //! Sorting a set, and evaluating the basis along it, is done once for all vertices; a vertex's sums are rotated into the world at the end.
 
-use glam::Vec3;
+use std::f64::consts::PI;
+
+use glam::{DVec3, Vec3};
 
 use super::sampling::{mix, points};
 use super::trace::Rays;
 use crate::basis::sh::{Evaluator, LANES};
-use crate::basis::{Angle, Euler, Order};
+use crate::basis::{Angle, Euler, Order, Zonal};
 
 /// Sets of directions about +z.
 pub struct Directions {
@@ -17,6 +19,8 @@ pub struct Directions {
 /// Directions about +z, cosine-distributed, in rounds: a vertex goes through as many as it needs.
 pub struct Set {
     pub rounds: Vec<Round>,
+    /// By number of rounds gone through, less one: what their mean of the basis functions lacks to the integral over the hemisphere.
+    pub lacks: Vec<Vec<f64>>,
     /// A few directions by which a vertex finds out whether it is buried.
     pub probes: Rays,
 }
@@ -70,8 +74,10 @@ impl Directions {
             let rounds = rounds.iter().map(|&range| Round {
                 nets: (0..nets).map(|i| net(i, range)).collect(),
             });
+            let rounds: Vec<Round> = rounds.collect();
             Set {
-                rounds: rounds.collect(),
+                lacks: lacks(&rounds, order),
+                rounds,
                 probes: Net::new(mix(seed ^ u64::from(set)), 0, PROBES, None).rays,
             }
         };
@@ -86,6 +92,32 @@ impl Directions {
         let turn = f64::from(seed as u32) / 2.0_f64.powi(32) * std::f64::consts::TAU;
         (set, Euler::z_to(normal.as_dvec3(), Angle::new(turn)))
     }
+}
+
+/// `1/π ∫ cosθ Y_i dω` over the hemisphere, less the mean of Y_i over the rays of the first rounds: for one, for two, ….
+fn lacks(rounds: &[Round], order: Order) -> Vec<Vec<f64>> {
+    let exact = Zonal::clamped_cosine(order).toward(DVec3::Z);
+    let mut values = Values::new(order);
+    let (mut sums, mut rays) = (vec![0.0; order.count()], 0);
+    let mut lack = |round: &Round| -> Vec<f64> {
+        for net in &round.nets {
+            rays += net.rays.len();
+            for word in 0..net.rays.words() {
+                let here = (net.rays.len() - 64 * word).min(64);
+                let rows = net.values(word, &mut values).chunks(stride(order));
+                for row in rows.take(here) {
+                    sums.iter_mut()
+                        .zip(row)
+                        .for_each(|(sum, y)| *sum += f64::from(*y));
+                }
+            }
+        }
+        let pairs = exact.iter().zip(&sums);
+        pairs
+            .map(|(exact, sum)| exact / PI - sum / rays as f64)
+            .collect()
+    };
+    rounds.iter().map(&mut lack).collect()
 }
 
 /// Ranges of indices: each round brings as many as all before it.
@@ -199,6 +231,17 @@ mod tests {
                 let mean: Vec3 = all().sum::<Vec3>() / rays as f32;
                 assert!((mean - Vec3::Z * (2.0 / 3.0)).length() < 1e-3, "{mean}");
             }
+        }
+    }
+
+    #[test]
+    fn what_sets_lack_is_small_and_less_with_each_round() {
+        let order = Order::new(5).unwrap();
+        let length = |lack: &Vec<f64>| lack.iter().map(|x| x * x).sum::<f64>().sqrt();
+        for set in Directions::new(Plan::UntilGood(8192), order, 3).sets {
+            assert_eq!(set.lacks.len(), set.rounds.len());
+            let (first, last) = (length(&set.lacks[0]), length(&set.lacks[5]));
+            assert!(last < 2e-3 && last < 0.2 * first, "{first} {last}");
         }
     }
 

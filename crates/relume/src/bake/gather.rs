@@ -87,8 +87,9 @@ pub fn direct(
     let count = stage.order.count();
     scratch.sums.iter_mut().for_each(|sums| sums.fill(0.0));
     let mut found = Found::default();
-    let mut visible = 0;
+    let (mut visible, mut gone) = (0, 0);
     for (i, round) in set.rounds.iter().enumerate() {
+        gone += 1;
         for (which, net) in round.nets.iter().enumerate() {
             scratch.trace(stage, &receiver, net, &turn, operator.is_some());
             visible += scratch.add_open(stage, net, which);
@@ -105,10 +106,12 @@ pub fn direct(
             break;
         }
     }
+    let open = f64::from(visible) / f64::from(found.samples);
     let [sums, second] = &mut scratch.sums;
     let sums = &mut sums[..count];
-    for (sum, second) in sums.iter_mut().zip(second) {
-        *sum = (*sum + *second) / f64::from(found.samples);
+    for ((sum, second), lack) in sums.iter_mut().zip(second).zip(&set.lacks[gone - 1]) {
+        // The integral over the whole hemisphere is known: what the set's mean of it lacks is added where it is open.
+        *sum = (*sum + *second) / f64::from(found.samples) + open * lack;
     }
     scratch.rotation.apply(&euler, sums, &mut scratch.turned);
     for (value, sum) in row.iter_mut().zip(sums) {

@@ -6,7 +6,7 @@ use glam::DVec3;
 /// What is added to the normal equations: functions that live almost wholly below the horizon are kept from growing there.
 ///
 /// Without it coefficients reach 1e6 at order 10, and a neighbour with another normal sees that. Larger values cost accuracy: the table of
-/// docs/matrices.md has the errors for 1e-6 to 1e-2.
+/// docs/performance.md has the errors for 1e-6 to 1e-2.
 const RIDGE: f64 = 1e-4;
 
 /// The least-squares fit on the hemisphere about +z, weighted by cosθ/π [sloan2003].

@@ -1,12 +1,13 @@
 //! How a material reflects, and what that makes of incident radiance.
 
 use std::collections::BTreeMap;
+use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
 
 use glam::DVec3;
 
 use super::{Anisotropic, Brdf, DirectionalTable, Ggx, HemisphereRule, Lambert};
-use crate::basis::{Angle, Euler, EulerRotation, Order, sh::Evaluator};
+use crate::basis::{Angle, Euler, EulerRotation, Hemisphere, Order, sh::Evaluator};
 
 /// How a material reflects, but for its base colour, which may vary from point to point.
 #[derive(Clone, Debug, Default)]
@@ -25,8 +26,8 @@ pub enum Reflection {
     Fixed(Brdf),
 }
 
-/// The share of BRDF × cosine that may lie above [`Reflection::bandwidth`].
-const TAIL: f64 = 0.05;
+/// The share of a BRDF that may lie above [`Reflection::bandwidth`].
+const TAIL: f64 = 0.1;
 
 impl Reflection {
     /// The BRDF where the base colour is this. It is affine in it.
@@ -46,26 +47,24 @@ impl Reflection {
         }
     }
 
-    /// The least order of incident radiance that shows this reflection, up to `most`: what higher degrees of BRDF × cosine hold is less than a
-    /// twentieth (RMS), for white and for black base colour, seen from 30° and from 60°.
+    /// The least order of incident radiance that shows this reflection, up to `most`: what its fit on the hemisphere leaves of the BRDF is less than a
+    /// tenth (RMS, weighted by the cosine), for white base colour, seen from above and from 45°.
     ///
     /// # Errors
     /// [`Anisotropic`] where the BRDF does not turn with the view.
     pub fn bandwidth(&self, most: Order) -> Result<Order, Anisotropic> {
+        // White: of a black metal only the Fresnel term is left, which is sharp and dark.
+        let brdf = self.brdf(DVec3::ONE);
+        if !brdf.is_isotropic() {
+            return Err(Anisotropic);
+        }
         let mut wanted = Order::new(1).expect("1 is in range");
-        for color in [DVec3::ZERO, DVec3::ONE] {
-            let brdf = self.brdf(color);
-            if !brdf.is_isotropic() {
-                return Err(Anisotropic);
-            }
-            for angle in [30.0_f64, 60.0] {
-                let (sin, cos) = libm::sincos(angle.to_radians());
-                let outgoing = DVec3::new(sin, 0.0, cos);
-                let (within, all) = energies(&brdf, outgoing, most);
-                let enough = within.iter().position(|e| all - e < TAIL * TAIL * all);
-                let order = enough.map_or(most.get(), |degree| degree + 1);
-                wanted = wanted.max(Order::new(order).unwrap_or(most));
-            }
+        for angle in [0.0_f64, 45.0] {
+            let (sin, cos) = libm::sincos(angle.to_radians());
+            let (within, all) = energies(&brdf, DVec3::new(sin, 0.0, cos), most);
+            let enough = within.iter().position(|e| all - e <= TAIL * TAIL * all);
+            let order = enough.map_or(most.get(), |degree| degree + 1);
+            wanted = wanted.max(Order::new(order).unwrap_or(most));
         }
         Ok(wanted)
     }
@@ -162,29 +161,40 @@ impl Reflector {
     }
 }
 
-/// ∫ (f cosθ)² dω up to each degree, and all of it.
+/// `1/π ∫ cosθ f² dω` over the hemisphere: of the best fit of each order from 1 to `most`, and of `f` itself.
+///
+/// What a fit of transferred radiance misses is orthogonal, by this measure, to all of its order, so only the rest of f meets it.
 fn energies(brdf: &Brdf, outgoing: DVec3, most: Order) -> (Vec<f64>, f64) {
     let mut all = 0.0;
     let evaluator = Evaluator::new(most);
     let mut y = vec![0.0; most.count()];
-    let mut sums = vec![DVec3::ZERO; most.count()];
+    let mut moments = vec![vec![0.0; most.count()]; 3];
     for (incident, weight) in HemisphereRule::about_mirror(outgoing).nodes() {
-        let value = brdf.eval(incident, outgoing) * incident.z;
+        let value = brdf.eval(incident, outgoing);
+        let weight = weight * incident.z * FRAC_1_PI;
         all += weight * value.length_squared();
         if value != DVec3::ZERO {
             evaluator.eval(incident, &mut y);
-            for (sum, y) in sums.iter_mut().zip(&y) {
-                *sum += value * (weight * y);
+            for (moments, value) in moments.iter_mut().zip(value.to_array()) {
+                let pairs = moments.iter_mut().zip(&y);
+                pairs.for_each(|(moment, y)| *moment += weight * value * y);
             }
         }
     }
-    let mut within = 0.0;
-    let degrees = most.degrees().map(|l| {
-        let band = &sums[l * l..(l + 1) * (l + 1)];
-        within += band.iter().map(|s| s.length_squared()).sum::<f64>();
-        within
-    });
-    (degrees.collect(), all)
+    let within = (1..=most.get())
+        .filter_map(|n| Order::new(n).ok())
+        .map(|order| {
+            let hemisphere = Hemisphere::new(order);
+            let mut scratch = vec![0.0; order.count()];
+            let of_channel = |moments: &Vec<f64>| -> f64 {
+                let moments = &moments[..order.count()];
+                let mut fitted = vec![0.0; order.count()];
+                hemisphere.fit(moments, &mut fitted, &mut scratch);
+                fitted.iter().zip(moments).map(|(c, b)| c * b).sum()
+            };
+            moments.iter().map(of_channel).sum()
+        });
+    (within.collect(), all)
 }
 
 /// The rotation that takes z to the normal, and the half plane of x and z to that of the view.
@@ -253,6 +263,14 @@ mod tests {
         };
         let orders = [2.0, 10.0, 40.0, 1000.0].map(order);
         println!("{orders:?}");
+        let flat = |reflection: Reflection| reflection.bandwidth(Order::new(16).unwrap());
+        assert_eq!(flat(Reflection::Diffuse).unwrap().get(), 1);
+        let rough = Reflection::MetallicRoughness {
+            metallic: 1.0,
+            roughness: 0.8,
+        };
+        println!("roughness 0.8: {}", flat(rough.clone()).unwrap());
+        assert!(flat(rough).unwrap().get() < 8);
         assert!(orders.is_sorted_by(|a, b| a < b) && orders[3] == 16);
     }
 

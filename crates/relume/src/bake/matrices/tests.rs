@@ -234,3 +234,67 @@ fn bounces_never_bring_more_than_there_is() {
         before = sum;
     }
 }
+
+#[cfg(feature = "images")]
+#[test]
+fn an_asset_with_matrices_comes_back() {
+    let mut scene = bundled::plane_under_sphere(0.5, 0.7, 2.0, 6, 0.6);
+    for material in &mut scene.materials {
+        material.double_sided = true;
+    }
+    crate::scene::override_reflection(&mut scene, phong(7.0));
+    for precision in crate::asset::Precision::ALL {
+        let options = BakeOptions {
+            order: order(2),
+            transfer_order: Some(order(3)),
+            samples: 64,
+            bounces: 1,
+            precision,
+            ..BakeOptions::default()
+        };
+        let transfer = baked(&World::new(&scene), &options);
+        assert!(!transfer.matrices.as_ref().unwrap().back.is_empty());
+        let asset = crate::asset::Asset {
+            scene: scene.clone(),
+            transfer,
+        };
+        let bytes = crate::asset::to_glb(&asset).unwrap();
+        let back = crate::asset::from_glb(&bytes).unwrap();
+        assert_eq!(back.transfer, asset.transfer);
+        let reflection = |scene: &crate::scene::Scene| {
+            format!("{:?}", World::new(scene).materials[0].reflection)
+        };
+        assert_eq!(reflection(&back.scene), reflection(&scene));
+        // And again, byte by byte.
+        assert_eq!(crate::asset::to_glb(&back).unwrap(), bytes);
+    }
+}
+
+#[test]
+fn what_matrices_cannot_be_is_refused() {
+    let world = two_objects(4, 5.0);
+    let monitor = Monitor {
+        progress: &|_| (),
+        cancelled: &AtomicBool::new(false),
+    };
+    let refused = |world: &World, order_of: usize, gather: bool| {
+        let options = BakeOptions {
+            order: order(order_of),
+            transfer_order: Some(order(20)),
+            samples: 1,
+            gather,
+            ..BakeOptions::default()
+        };
+        bake(world, &options, &monitor).unwrap_err().to_string()
+    };
+    assert!(refused(&world, 14, false).contains("visibility of order 33"));
+    assert!(refused(&world, 2, true).contains("gather operator"));
+    let mut brushed = two_objects(4, 5.0);
+    brushed.materials[0].reflection = Reflection::Fixed(Brdf::from(crate::brdf::Ward {
+        diffuse: DVec3::ZERO,
+        specular: DVec3::ONE,
+        alpha_x: 0.1,
+        alpha_y: 0.3,
+    }));
+    assert!(refused(&brushed, 2, false).contains("tangents"));
+}
