@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::asset::{BackTransfer, Matrices, Transfer};
 use crate::basis::{EulerRotation, Order};
 use crate::brdf::{Anisotropic, Reflector};
-use crate::light::IncidentLight;
+use crate::light::{IncidentLight, ObjectLight};
 use crate::scene::World;
 
 /// Transferred incident radiance of every side: `a_i = Σ_j T_ij l_j` by channel.
@@ -87,56 +87,61 @@ fn applied(
 }
 
 /// Coefficients by channel, `[lights][3][n²]`, and which of them a vertex has.
-struct Lights {
+struct Lights<'a> {
     rows: Vec<f32>,
+    /// Numbers of a light.
     count: usize,
-    /// Where ranges of vertices end, and their lights; everything has the first where there are none.
-    ends: Vec<usize>,
-    by_vertex: bool,
+    whose: Whose<'a>,
 }
 
-impl Lights {
-    fn new(light: &IncidentLight, order: Order) -> Self {
+enum Whose<'a> {
+    All,
+    /// Of some vertices each; a dark one follows for the rest.
+    Objects(&'a [ObjectLight]),
+    Vertex,
+}
+
+impl<'a> Lights<'a> {
+    fn new(light: &'a IncidentLight, order: Order) -> Self {
         let count = order.count();
-        let plane = |coefficients: &[[f32; 3]]| -> Vec<f32> {
-            let place = |i: usize| i.checked_rem(count).unwrap_or(0);
-            (0..3 * count)
-                .map(|i| coefficients.get(place(i)).map_or(0.0, |rgb| rgb[i / count]))
-                .collect()
+        let planes = |coefficients: &[[f32; 3]]| -> Vec<f32> {
+            let at = |i: usize| {
+                coefficients
+                    .get(i % count)
+                    .map_or(0.0, |rgb| rgb[i / count])
+            };
+            (0..3 * count).map(at).collect()
         };
-        let (lights, ends, by_vertex): (Vec<Vec<f32>>, Vec<usize>, bool) = match light {
-            IncidentLight::Distant(light) => (vec![plane(light.coefficients())], Vec::new(), false),
+        let (rows, whose) = match light {
+            IncidentLight::Distant(light) => (planes(light.coefficients()), Whose::All),
             IncidentLight::PerObject(objects) => {
-                // Vertices of no object are dark.
-                let mut lights = Vec::new();
-                let mut ends = Vec::new();
-                let mut end = 0;
-                for object in objects {
-                    lights.extend([plane(&[]), plane(object.light.coefficients())]);
-                    ends.extend([object.vertices.start.max(end), object.vertices.end.max(end)]);
-                    end = object.vertices.end.max(end);
-                }
-                lights.push(plane(&[]));
-                ends.push(usize::MAX);
-                (lights, ends, false)
+                let lights = objects.iter().map(|object| object.light.coefficients());
+                let dark: &[[f32; 3]] = &[];
+                let rows = lights.chain([dark]).flat_map(planes).collect();
+                (rows, Whose::Objects(objects))
             }
             IncidentLight::PerVertex(light) => {
-                let all = (0..light.vertex_count()).map(|v| plane(light.coefficients(v)));
-                (all.collect(), Vec::new(), true)
+                let vertices = 0..light.vertex_count();
+                let rows = vertices.flat_map(|v| planes(light.coefficients(v)));
+                (rows.collect(), Whose::Vertex)
             }
         };
         Self {
-            rows: lights.concat(),
+            rows,
             count: 3 * count,
-            ends,
-            by_vertex,
+            whose,
         }
     }
 
     fn at(&self, vertex: usize) -> &[f32] {
-        let light = match self.by_vertex {
-            true => vertex,
-            false => self.ends.partition_point(|&end| end <= vertex),
+        let light = match self.whose {
+            Whose::All => 0,
+            // Where two claim a vertex, the last has it, as for vectors.
+            Whose::Objects(objects) => objects
+                .iter()
+                .rposition(|object| object.vertices.contains(&vertex))
+                .unwrap_or(objects.len()),
+            Whose::Vertex => vertex,
         };
         &self.rows[light * self.count..][..self.count]
     }
@@ -269,5 +274,116 @@ impl Work {
             o: vec![0.0; 3 * order.count()],
             scratch: vec![0.0; order.count()],
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::asset::{Precision, Provenance, TransferKind};
+    use crate::light::{ShLight, VertexLight};
+
+    fn order(n: usize) -> Order {
+        Order::new(n).unwrap()
+    }
+
+    /// Four vertices whose matrices have no two numbers alike.
+    fn transfer(channels: usize) -> Transfer {
+        let numbers =
+            |count: usize| -> Vec<f32> { (0..count).map(|i| libm::sinf(0.7 * i as f32)).collect() };
+        Transfer {
+            order: order(2),
+            channels,
+            kind: TransferKind::Shadowed { bounces: 0 },
+            samples: 1,
+            seed: 0,
+            made: Provenance::default(),
+            precision: Precision::F32,
+            coefficients: numbers(4 * channels * 4).into(),
+            valid: vec![true; 4],
+            back: Some(BackTransfer {
+                vertices: vec![1, 3],
+                coefficients: numbers(2 * channels * 4).into(),
+            }),
+            gather: None,
+            matrices: Some(Matrices {
+                order: order(3),
+                coefficients: numbers(4 * channels * 9 * 4).into(),
+                back: numbers(2 * channels * 9 * 4).into(),
+            }),
+        }
+    }
+
+    fn light(n: usize, seed: f32) -> ShLight {
+        let value = |i: usize, c: usize| libm::cosf(seed + 1.3 * (3 * i + c) as f32);
+        let rows = (0..n * n).map(|i| std::array::from_fn(|c| value(i, c)));
+        ShLight::new(order(n), rows.collect())
+    }
+
+    #[test]
+    fn every_number_meets_its_own() {
+        for channels in [1, 3] {
+            let transfer = transfer(channels);
+            let given = light(2, 0.3);
+            let incident = IncidentLight::Distant(given.clone());
+            let radiance = TransferredRadiance::new(&transfer, &incident).unwrap();
+            let matrices = &transfer.matrices.as_ref().unwrap().coefficients;
+            for vertex in 0..4 {
+                for channel in 0..3 {
+                    for i in 0..9 {
+                        let at =
+                            |j: usize| ((vertex * channels + channel % channels) * 9 + i) * 4 + j;
+                        let sum: f32 = (0..4)
+                            .map(|j| matrices[at(j)] * given.coefficients()[j][channel])
+                            .sum();
+                        let ours = radiance.front[(vertex * 3 + channel) * 9 + i];
+                        assert!((ours - sum).abs() < 1e-5);
+                    }
+                }
+            }
+            assert_eq!(radiance.back.len(), 2 * 3 * 9);
+        }
+    }
+
+    #[test]
+    fn lights_of_higher_order_are_cut_and_of_lower_filled_up() {
+        let transfer = transfer(3);
+        let of = |light: ShLight| {
+            TransferredRadiance::new(&transfer, &IncidentLight::Distant(light)).unwrap()
+        };
+        assert_eq!(of(light(4, 0.3)), of(light(2, 0.3)));
+        let dim = light(1, 0.3);
+        assert_eq!(of(dim.resized(order(2))), of(dim));
+    }
+
+    #[test]
+    fn each_vertex_has_its_own_light_and_so_has_its_back() {
+        let transfer = transfer(3);
+        let lights = [light(2, 0.1), light(2, 0.9)];
+        let of = |incident: &IncidentLight| TransferredRadiance::new(&transfer, incident).unwrap();
+        let [a, b] = lights
+            .clone()
+            .map(|light| of(&IncidentLight::Distant(light)));
+        // Out of order, and vertex 2 in the dark.
+        let object = |vertices, light: &ShLight| ObjectLight {
+            vertices,
+            light: light.clone(),
+        };
+        let objects = vec![object(3..4, &lights[1]), object(0..2, &lights[0])];
+        let by_object = of(&IncidentLight::PerObject(objects));
+        let of_vertex = |all: &TransferredRadiance, v: usize| all.front[27 * v..][..27].to_vec();
+        assert_eq!(of_vertex(&by_object, 0), of_vertex(&a, 0));
+        assert_eq!(of_vertex(&by_object, 1), of_vertex(&a, 1));
+        assert_eq!(of_vertex(&by_object, 2), vec![0.0; 27]);
+        assert_eq!(of_vertex(&by_object, 3), of_vertex(&b, 3));
+        assert_eq!(by_object.back[..27], a.back[..27]);
+        assert_eq!(by_object.back[27..], b.back[27..]);
+        let rows = [0, 0, 1, 1].map(|k: usize| lights[k].coefficients().to_vec());
+        let by_vertex = VertexLight::new(order(2), rows.concat());
+        let by_vertex = of(&IncidentLight::PerVertex(by_vertex));
+        assert_eq!(of_vertex(&by_vertex, 1), of_vertex(&a, 1));
+        assert_eq!(by_vertex.back[..27], a.back[..27]);
+        assert_eq!(of_vertex(&by_vertex, 2), of_vertex(&b, 2));
+        assert_eq!(by_vertex.back[27..], b.back[27..]);
     }
 }
