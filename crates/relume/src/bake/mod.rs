@@ -23,6 +23,7 @@ mod operator;
 mod options;
 mod passes;
 mod receiver;
+mod result;
 mod run;
 pub mod sampling;
 mod store;
@@ -31,9 +32,10 @@ pub mod trace;
 pub use engine::Engine;
 pub use options::{BakeError, BakeOptions, Monitor, Need, Progress};
 pub use passes::Report;
+pub use result::Baked;
+pub use run::bake;
 #[cfg(not(target_arch = "wasm32"))]
 pub use run::bake_with_checkpoint;
-pub use run::{Baked, bake};
 
 #[cfg(test)]
 mod tests;

@@ -19,7 +19,7 @@ use std::sync::Arc;
 use super::buried::Filling;
 use super::gather::{Found, Stage};
 use super::passes::Passes;
-use super::run::{self, Baked};
+use super::result::{self, Baked};
 use super::{BakeError, BakeOptions};
 use crate::asset::{Matrices, Transfer};
 use crate::basis::{Hemisphere, Order, Product, Zonal};
@@ -71,7 +71,7 @@ pub fn series(passes: &Passes, options: &BakeOptions, plan: &Plan) -> Result<Bak
     let (mut visibility, found) = match options.shadows {
         true => passes.direct(None)?,
         false => {
-            let open = run::unshadowed(receivers, passes.stage.order);
+            let open = result::unshadowed(receivers, passes.stage.order);
             (open, vec![Found::default(); receivers.len()])
         }
     };
@@ -96,7 +96,7 @@ pub fn series(passes: &Passes, options: &BakeOptions, plan: &Plan) -> Result<Bak
         let mut next = bounced(passes, plan, (bounce, channels), previous, &found)?;
         filling.apply(&mut next, 3 * plan.count(), &receivers.front);
         if passes.store.checkpoint.is_none() && terms.len() == 3 {
-            run::fold(&mut terms);
+            result::fold(&mut terms);
         }
         terms.push(next);
     }
@@ -165,7 +165,7 @@ pub fn finish(
 ) -> Result<Transfer, BakeError> {
     let (world, receivers) = (passes.stage.world, passes.stage.receivers);
     let sum = |name, receivers: &[u32]| {
-        run::summed(name, options, receivers, terms, plan.count(), passes.store)
+        result::summed(name, options, receivers, terms, plan.count(), passes.store)
     };
     let vertices = receivers.two_sided();
     let behind: Vec<u32> = vertices
@@ -182,7 +182,7 @@ pub fn finish(
     let backs_of = |i: usize| -normal(vertices[i] as usize);
     let front = diffuse(plan, options, &fronts, fronts_of)?;
     let back = diffuse(plan, options, &backs, backs_of)?;
-    let mut transfer = run::described(options, valid, front, vertices, back);
+    let mut transfer = result::described(options, valid, front, vertices, back);
     transfer.matrices = Some(Matrices {
         order: plan.transfer,
         coefficients: fronts,
