@@ -45,12 +45,10 @@ pub enum Model {
 
 impl BrdfArgs {
     /// Lets the surfaces of `scene` reflect as asked for.
-    ///
-    /// Without a word about it, those of files that do not know glossy surfaces are diffuse.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), Failure> {
         let reflection = match self.brdf {
-            None if scene.document.is_some() => return Ok(()),
-            None | Some(Model::Lambert) => Reflection::Diffuse,
+            None => return Ok(()),
+            Some(Model::Lambert) => Reflection::Diffuse,
             Some(Model::Phong) => Reflection::Fixed(Brdf::from(Phong {
                 diffuse: DVec3::from(self.kd.unwrap_or([0.5; 3]).map(f64::from)),
                 specular: DVec3::splat(self.ks.unwrap_or(0.25).into()),

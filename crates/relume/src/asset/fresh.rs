@@ -6,6 +6,7 @@ use serde_json::{Map, Value, json};
 use super::AssetError;
 use super::builder::Builder;
 use super::container::Part;
+use crate::brdf::Reflection;
 use crate::files::printable;
 use crate::scene::{AlphaMode, Group, Instance, Material, Mesh, Scene, Texture, Wrap};
 
@@ -21,6 +22,9 @@ pub fn build(scene: &Scene) -> Result<Builder<'_>, AssetError> {
     }
     for material in &scene.materials {
         builder.add("materials", material_json(material, scene.textures.len())?)?;
+    }
+    if scene.materials.iter().any(is_diffuse) {
+        builder.array("extensionsUsed")?.push(SPECULAR.into());
     }
     let mut meshes = vec![None; scene.meshes.len()];
     for (i, instance) in scene.instances.iter().enumerate() {
@@ -159,6 +163,13 @@ fn is_trs(map: &DAffine3) -> bool {
     map.is_finite() && m.determinant() != 0.0 && perpendicular == [true; 3]
 }
 
+/// The extension by which a dielectric has no highlight: what is left of it is Lambert.
+const SPECULAR: &str = "KHR_materials_specular";
+
+fn is_diffuse(material: &Material) -> bool {
+    material.metallic == 0.0 && matches!(material.reflection, Reflection::Diffuse)
+}
+
 fn material_json(material: &Material, textures: usize) -> Result<Value, AssetError> {
     let factors = material.base_color.into_iter().chain([material.metallic]);
     if !factors.into_iter().all(|c| (0.0..=1.0).contains(&c)) {
@@ -169,6 +180,9 @@ fn material_json(material: &Material, textures: usize) -> Result<Value, AssetErr
         "baseColorFactor": material.base_color,
         "metallicFactor": material.metallic,
     });
+    if let Reflection::MetallicRoughness { roughness, .. } = material.reflection {
+        surface["roughnessFactor"] = roughness.into();
+    }
     match material.base_color_texture {
         Some(texture) if texture < textures => {
             surface["baseColorTexture"] = json!({ "index": texture });
@@ -184,6 +198,10 @@ fn material_json(material: &Material, textures: usize) -> Result<Value, AssetErr
     }
     if material.double_sided {
         object.insert("doubleSided".to_owned(), true.into());
+    }
+    if is_diffuse(material) {
+        let extensions = json!({ SPECULAR: { "specularFactor": 0.0 } });
+        object.insert("extensions".to_owned(), extensions);
     }
     Ok(object.into())
 }

@@ -4,6 +4,7 @@ use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
 
 use super::{Asset, BackTransfer, Precision, Provenance, Transfer, TransferKind};
 use crate::basis::Order;
+use crate::brdf::Reflection;
 use crate::scene::{AlphaMode, Group, Instance, Material, Mesh, Sampler, Scene, Texture, Wrap};
 
 /// Numbers of every size that depend on everything, so that a shifted or swapped array shows.
@@ -104,6 +105,10 @@ pub fn scene() -> Scene {
     leaf.double_sided = true;
     let mut brass = Material::diffuse("brass", [0.8, 0.6, 0.3]);
     brass.metallic = 0.75;
+    brass.reflection = Reflection::MetallicRoughness {
+        metallic: 0.75,
+        roughness: 0.5,
+    };
     let turn = DQuat::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 1.1);
     let place = |mesh: usize, map: DAffine3| Instance {
         mesh,

@@ -23,7 +23,7 @@ pub struct Seen {
 }
 
 /// Radiance from each point toward its eye under `light`, with standard errors: its own BRDF is in it, unlike in
-/// [`estimate`](super::estimate), and after it at most `bounces` interreflections.
+/// [`estimate`](fn@super::estimate), and after it at most `bounces` interreflections.
 ///
 /// First directions are drawn from the BRDF alone: a light much smaller than the lobe is found by few paths, which the standard errors
 /// say as long as any find it.

@@ -155,7 +155,13 @@ fn plain<'a>(
         double_sided: json.double_sided,
         has_normal_map: json.normal_texture.is_some(),
         metallic,
-        reflection: reflection(metallic, roughness),
+        reflection: match &json.extensions.specular {
+            // Of a dielectric without highlight, Lambert is left.
+            Some(specular) if specular.specular_factor == 0.0 && metallic == 0.0 => {
+                Reflection::Diffuse
+            }
+            _ => reflection(metallic, roughness),
+        },
     };
     Ok((material, texture))
 }
