@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::Plan;
-use super::kernel::{Receive, Send, Touch};
+use super::kernel::{Collect, Emit, Touch};
 use crate::bake::directions::{Net, Values, stride};
 use crate::bake::gather::{Found, Stage, Turn, facing_receivers};
 use crate::bake::trace::{Hit, Rays};
@@ -183,7 +183,7 @@ impl<'a> Bounce<'a> {
             }
             touches.clear();
             touches.extend(run.iter().map(|(_, touch)| *touch));
-            self.stage.level.run(Send {
+            self.stage.level.run(Emit {
                 touches: &touches,
                 o: &self.o,
                 matrix: &self.matrix,
@@ -211,7 +211,7 @@ impl<'a> Bounce<'a> {
                 .map(|(ray, slot)| (slot, (*ray as usize % 64) * per_ray))
                 .collect();
             first += rays.len();
-            self.stage.level.run(Receive {
+            self.stage.level.run(Collect {
                 rays: &rays,
                 basis: net.values(word, &mut self.values),
                 sent: &self.sent,

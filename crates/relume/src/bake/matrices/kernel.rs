@@ -15,7 +15,7 @@ pub struct Touch {
 }
 
 /// `g_j += weight · Σ_i o_i T_ij` by channel, for all rays that touch one corner: what its matrix sends along each.
-pub struct Send<'a> {
+pub struct Emit<'a> {
     pub touches: &'a [Touch],
     /// `[slots][3][m²]`.
     pub o: &'a [f32],
@@ -30,7 +30,7 @@ pub struct Send<'a> {
     pub sent: &'a mut [f32],
 }
 
-impl Kernel for Send<'_> {
+impl Kernel for Emit<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -68,7 +68,7 @@ impl Kernel for Send<'_> {
 }
 
 /// `S_ij += Y_i(ω) g_j` by channel, over some rays.
-pub struct Receive<'a> {
+pub struct Collect<'a> {
     /// By ray: its slot, and where its basis functions begin.
     pub rays: &'a [(u32, usize)],
     pub basis: &'a [f32],
@@ -81,7 +81,7 @@ pub struct Receive<'a> {
     pub sums: &'a mut [f32],
 }
 
-impl Kernel for Receive<'_> {
+impl Kernel for Collect<'_> {
     type Output = ();
 
     #[inline(always)]
