@@ -55,6 +55,9 @@ fn facts(content: &Content, ui: &mut egui::Ui) {
         transfer.precision.token(),
         bytes as f64 / 1e6,
     ));
+    if transfer.matrices.is_some() {
+        ui.label("A glossy asset, shown as if it were diffuse; relume render shows all of it.");
+    }
 }
 
 #[cfg(not(target_arch = "wasm32"))]
