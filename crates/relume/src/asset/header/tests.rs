@@ -94,11 +94,40 @@ fn unknown_tokens_are_refused_by_name() {
         ("order", 33),
         ("channels", 2),
         ("channels", 4),
+        ("transferOrder", 0),
+        ("transferOrder", 33),
     ] {
         let mut json = to_json(&meaning(), &[]);
         json[key] = value.into();
         assert!(matches!(from_json(&json), Err(HeaderError::Wrong(_))));
     }
+}
+
+#[test]
+fn brdfs_out_of_range_and_unknown_ones_are_refused() {
+    let phong = |diffuse: f64, exponent: f64| {
+        serde_json::json!({
+            "model": "phong", "diffuse": [diffuse, 0.0, 0.0], "specular": [0.5, 0.5, 0.5], "exponent": exponent
+        })
+    };
+    for wrong in [
+        phong(1.5, 2.0),
+        phong(-0.1, 2.0),
+        phong(0.5, -1.0),
+        phong(0.5, 1e9),
+        serde_json::json!({ "model": "ggx", "metallic": 0.5, "roughness": 2.0 }),
+        serde_json::json!({ "model": "ggx", "metallic": 0.5 }),
+        serde_json::json!({ "model": "velvet" }),
+        serde_json::json!("phong"),
+    ] {
+        let mut json = to_json(&meaning(), &[]);
+        json["brdf"] = wrong.clone();
+        let refused = matches!(from_json(&json), Err(HeaderError::Wrong(_)));
+        assert!(refused, "{wrong} was accepted");
+    }
+    let mut json = to_json(&meaning(), &[]);
+    json["brdf"] = phong(0.5, 2.0);
+    assert!(from_json(&json).is_ok());
 }
 
 #[test]
