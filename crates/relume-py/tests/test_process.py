@@ -51,12 +51,22 @@ def bake_of(seconds):
         samples *= 2
 
 
+def interruptible():
+    """Tests that run in the background of a script inherit that Ctrl-C is ignored, and a Python started so does not hear it."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @contextlib.contextmanager
 def python(code):
     """A Python that runs `code`, ended at the latest when the test is."""
     folders = os.pathsep.join([os.path.dirname(__file__), os.environ.get("PYTHONPATH", "")])
     with subprocess.Popen(
-        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": folders}
+        [sys.executable, "-c", code],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": folders},
+        preexec_fn=interruptible if os.name == "posix" else None,
     ) as child:
         try:
             yield child
