@@ -183,7 +183,7 @@ fn transfer_order(args: &BakeArgs, world: &World) -> Result<Option<Order>, Failu
     let taken = wanted.min(args.order.max(Order::new(MOST_BY_DEFAULT)?));
     let cut = match taken < wanted {
         true => format!(
-            "; the materials would need {wanted} or more: give --transfer-order for sharper highlights"
+            "; the materials would need at least {wanted}: give --transfer-order for sharper highlights"
         ),
         false => String::new(),
     };

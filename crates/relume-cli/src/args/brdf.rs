@@ -13,22 +13,22 @@ pub struct BrdfArgs {
     /// How all surfaces reflect, instead of what the scene says [default: as glTF materials say; OBJ and PLY are diffuse]
     #[arg(long, value_enum)]
     pub brdf: Option<Model>,
-    /// Diffuse colour of --brdf lambert and phong
+    /// Diffuse colour of --brdf lambert [default: the scene's] and phong [default: 0.5,0.5,0.5]
     #[arg(long, value_name = "R,G,B", value_parser = parse::albedo, requires = "brdf")]
     pub kd: Option<[f32; 3]>,
-    /// Specular reflectance of --brdf phong
+    /// Specular reflectance of --brdf phong [default: 0.25]
     #[arg(long, value_name = "S", value_parser = parse::share, requires = "brdf")]
     pub ks: Option<f32>,
-    /// Exponent of --brdf phong: kd/π + ks (N+2)/(2π) max(0, R·ω)^N
+    /// Exponent of --brdf phong: kd/π + ks (N+2)/(2π) max(0, R·ω)^N [default: 20]
     #[arg(long, value_name = "N", value_parser = parse::exponent, requires = "brdf")]
     pub exponent: Option<f64>,
     /// Base colour of --brdf ggx [default: the scene's]
     #[arg(long, value_name = "R,G,B", value_parser = parse::albedo, requires = "brdf")]
     pub base_color: Option<[f32; 3]>,
-    /// Metalness of --brdf ggx
+    /// Metalness of --brdf ggx [default: 0]
     #[arg(long, value_name = "M", value_parser = parse::share, requires = "brdf")]
     pub metallic: Option<f32>,
-    /// Roughness of --brdf ggx
+    /// Roughness of --brdf ggx [default: 0.5]
     #[arg(long, value_name = "A", value_parser = parse::share, requires = "brdf")]
     pub roughness: Option<f32>,
 }

@@ -4,9 +4,6 @@
 
 use crate::simd::{Kernel, Lanes};
 
-/// Vectors that are summed at the same time, which stay in registers.
-const TOGETHER: usize = 2;
-
 /// A ray that met a corner: which of the rays that met something, and its barycentric weight.
 #[derive(Clone, Copy)]
 pub struct Touch {
@@ -42,6 +39,7 @@ impl Kernel for Emit<'_> {
                 let matrix = channel % self.channels * self.rows * self.stride;
                 let matrix = &self.matrix[matrix..][..self.rows * self.stride];
                 let sent = &mut self.sent[(3 * slot + channel) * self.stride..][..self.stride];
+                // Two vectors at a time stay in registers.
                 let mut at = 0;
                 while at < self.stride {
                     let two = at + L::COUNT < self.stride;
@@ -60,7 +58,7 @@ impl Kernel for Emit<'_> {
                         let sum = L::load(&sent[at + L::COUNT..]) + second * weight;
                         sum.store(&mut sent[at + L::COUNT..]);
                     }
-                    at += TOGETHER * L::COUNT;
+                    at += 2 * L::COUNT;
                 }
             }
         }

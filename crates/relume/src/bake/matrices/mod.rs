@@ -109,7 +109,7 @@ pub fn series(passes: &Passes, options: &BakeOptions, plan: &Plan) -> Result<Bak
 }
 
 /// The matrices of direct light, from visibility without any: rows of n²·m².
-pub fn expanded(passes: &Passes, plan: &Plan, visibility: &[f32]) -> Result<Rows, BakeError> {
+fn expanded(passes: &Passes, plan: &Plan, visibility: &[f32]) -> Result<Rows, BakeError> {
     let (stage, count) = (passes.stage, plan.count());
     let pass = passes.pass("matrices", count)?;
     let of = stage.order.count();
@@ -156,7 +156,7 @@ fn bounced(
 }
 
 /// The sum of the terms in the vertices' order, and the diffuse vectors that are in it.
-pub fn finish(
+fn finish(
     passes: &Passes,
     options: &BakeOptions,
     plan: &Plan,
