@@ -1,12 +1,17 @@
 //! Functions on a hemisphere by coefficients of the whole sphere's basis.
 
+use std::f64::consts::PI;
+
 use super::{Order, gauss_legendre, index, sh::Evaluator};
 use glam::DVec3;
 
-/// What is added to the normal equations: functions that live almost wholly below the horizon are kept from growing there.
+/// How much a change of a function below the horizon costs, beside one of as much above it, weighted by the cosine.
 ///
-/// Without it coefficients reach 1e6 at order 10, and a neighbour with another normal sees that. Larger values cost accuracy: the table of
-/// docs/performance.md has the errors for 1e-6 to 1e-2.
+/// Nothing that a surface sees pays for it, and a fit that is free there grows without bound. A normal of another vertex or of a map, whose horizon dips
+/// below this one's, sees that. docs/performance.md has the errors for other values.
+const BELOW: f64 = 0.03;
+
+/// The same for a change anywhere, which keeps the equations well conditioned.
 const RIDGE: f64 = 1e-4;
 
 /// The least-squares fit on the hemisphere about +z, weighted by cosθ/π [sloan2003].
@@ -95,8 +100,9 @@ impl Hemisphere {
 impl Block {
     fn new(order: Order, m: usize) -> Self {
         let size = order.get() - m;
-        let gram = gram(order, m);
-        let mut raised = gram.clone();
+        let gram = gram_of(order, m, |z| z.max(0.0));
+        let below = gram_of(order, m, |z| if z < 0.0 { BELOW * PI } else { 0.0 });
+        let mut raised: Vec<f64> = gram.iter().zip(&below).map(|(g, b)| g + b).collect();
         (0..size).for_each(|i| raised[i * (size + 1)] += RIDGE);
         let mut fit = inverse(&raised, size);
         if m == 0 {
@@ -106,19 +112,24 @@ impl Block {
     }
 }
 
-/// 1/π ∫ cosθ Y_lm Y_l'm dω over the hemisphere, for all degrees from `m` on.
-fn gram(order: Order, m: usize) -> Vec<f64> {
+/// 1/π ∫ w(z) Y_lm Y_l'm dω, for all degrees from `m` on, of a weight that is a line in z above the horizon and one below it.
+fn gram_of(order: Order, m: usize, weight: impl Fn(f64) -> f64) -> Vec<f64> {
     let size = order.get() - m;
     let evaluator = Evaluator::new(order);
     let mut y = vec![0.0; order.count()];
     let mut gram = vec![0.0; size * size];
-    // Degrees add up to 2(n−1), and the cosine is one more.
-    for (x, weight) in gauss_legendre(order.get() + 1) {
-        let z = 0.5 * (1.0 + x);
-        // At longitude 0, where cosines are 1; over longitude their squares come to π, or to 2π.
+    // Degrees add up to 2(n−1), and the weight is one more.
+    let rule = gauss_legendre(order.get() + 1).into_iter();
+    let halves = rule.flat_map(|(x, w)| [(0.5 * (1.0 + x), 0.5 * w), (-0.5 * (1.0 + x), 0.5 * w)]);
+    // Over longitude the squares of cosines come to π, or to 2π.
+    let around = if m == 0 { 2.0 } else { 1.0 };
+    for (z, share) in halves {
+        let weight = around * share * weight(z);
+        if weight == 0.0 {
+            continue;
+        }
+        // At longitude 0, where cosines are 1.
         evaluator.eval(DVec3::new(((1.0 - z) * (1.0 + z)).sqrt(), 0.0, z), &mut y);
-        let around = if m == 0 { 2.0 } else { 1.0 };
-        let weight = 0.5 * weight * z * around;
         for i in 0..size {
             for j in 0..size {
                 let (a, b) = (y[index(m + i, m as isize)], y[index(m + j, m as isize)]);
