@@ -56,6 +56,7 @@ fn about_asset(asset: &Asset) -> Value {
         "order": about.order.get(),
         "coefficients": about.order.count(),
         "transfer_order": about.transfer_order.map(Order::get),
+        "brdf": about.brdf.as_ref().map(|(model, _)| *model),
         "channels": about.channels,
         "precision": about.precision.token(),
         "samples": about.samples,

@@ -322,6 +322,7 @@ mod damage;
 mod docs;
 mod document;
 mod halves;
+mod measured;
 #[cfg(feature = "import")]
 mod real;
 mod refused;

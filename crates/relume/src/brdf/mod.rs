@@ -47,6 +47,9 @@ pub use ggx::Ggx;
 pub(crate) use hemisphere::cosine_sample;
 pub use integrate::HemisphereRule;
 pub use lambert::Lambert;
+pub(crate) use merl::ENTRIES as MERL_ENTRIES;
+#[cfg(test)]
+pub(crate) use merl::tests::measured;
 pub use merl::{Merl, MerlError};
 pub use phong::Phong;
 pub use reflection::{Reflection, Reflector};
