@@ -131,6 +131,7 @@ pub fn comparison(comparison: &Comparison, picture: Option<&ErrorPicture>) -> Va
     });
     json!({
         "kind": "comparison",
+        "eye": comparison.eye.map(|eye| eye.to_array()),
         "vertices": comparison.vertices,
         "buried_vertices": comparison.invalid,
         "shadows": !comparison.unshadowed,
