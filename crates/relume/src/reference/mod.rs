@@ -41,5 +41,5 @@ pub use estimate::{
 };
 pub use outgoing::{Seen, estimate_outgoing};
 pub use picture::{RenderOptions, render, render_surfaces};
-pub use surfaces::{Surfaces, diffuse_surfaces};
-pub use toward::{compare_toward, material_surfaces};
+pub use surfaces::{Surfaces, diffuse_surfaces, material_surfaces};
+pub use toward::compare_toward;

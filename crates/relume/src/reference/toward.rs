@@ -7,19 +7,12 @@ use super::compare::{
 };
 use super::estimate::{Receiver, receivers_at, sh_radiance};
 use super::outgoing::{Seen, estimate_outgoing};
+use super::surfaces::material_surfaces;
 use crate::asset::{Transfer, TransferKind};
-use crate::brdf::{Anisotropic, Brdf};
+use crate::brdf::Anisotropic;
 use crate::light::{IncidentLight, ShLight};
 use crate::scene::World;
 use crate::shade::{Outgoing, TransferredRadiance};
-
-/// The surfaces as glossy transfer has them: of their materials, textures at the point.
-pub fn material_surfaces(world: &World) -> impl Fn(u32, [f32; 3]) -> Brdf + Sync {
-    |triangle, weights| {
-        let albedo = world.surface(triangle, weights).albedo.as_dvec3();
-        world.material(triangle).reflection.brdf(albedo)
-    }
-}
 
 /// Compares the radiance that random vertices of `world` send toward `eye` with path tracing; `transfer` has matrices.
 ///
