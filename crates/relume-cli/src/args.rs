@@ -73,6 +73,7 @@ Examples:
   relume bake city.glb -o baked.glb --bounces 2 --resume          go on after Ctrl-C or a crash
   relume bake pot.glb -o baked.glb --transfer glossy --bounces 2  metal and plastic, as the materials say
   relume bake scan.ply -o baked.glb --transfer glossy --brdf phong --kd 0.3,0.2,0.1 --ks 0.5 --exponent 20
+  relume bake scan.ply -o baked.glb --transfer glossy --brdf brass.binary   as measured (MERL)
 
 The asset is a .glb that any glTF viewer opens; the transfer is in it as an extension.")]
 pub struct BakeArgs {

@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
+use std::sync::OnceLock;
 
 use glam::{DVec3, Vec3};
 use sha2::{Digest, Sha256};
@@ -29,6 +30,8 @@ pub struct Merl {
     /// `[half angle][difference angle][difference azimuth]`, 1/sr.
     values: Vec<[f32; 3]>,
     fitted: Fitted,
+    /// Made when it is asked for first: of many materials that share the table, each asks.
+    digest: OnceLock<String>,
 }
 
 /// A measured BRDF that could not be read. Every message is one line: what, where, what to do.
@@ -157,7 +160,11 @@ impl Merl {
     fn new(values: Vec<[f32; 3]>) -> Self {
         let profile = |half| sum(values[index(half, 0.0, 0.0)]);
         let fitted = Fitted::to(profile);
-        Self { values, fitted }
+        Self {
+            values,
+            fitted,
+            digest: OnceLock::new(),
+        }
     }
 
     /// As [`Merl::values`] had it; the end of a complaint where that is no table.
@@ -198,14 +205,20 @@ impl Merl {
 /// With the SHA-256 of the entries in their place: checkpoints tell tables apart by it.
 impl std::fmt::Debug for Merl {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let mut hash = Sha256::new();
-        // In pieces, because a big-endian machine copies.
-        for piece in self.values.as_flattened().chunks(1 << 16) {
-            hash.update(le_bytes(piece));
-        }
-        let digits: String = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
-        f.debug_struct("Merl").field("sha256", &digits).finish()
+        let digest = self.digest.get_or_init(|| digest(&self.values));
+        f.debug_struct("Merl").field("sha256", digest).finish()
     }
+}
+
+/// SHA-256 in hex.
+fn digest(values: &[[f32; 3]]) -> String {
+    let mut hash = Sha256::new();
+    // In pieces, because a big-endian machine copies.
+    for piece in values.as_flattened().chunks(1 << 16) {
+        hash.update(le_bytes(piece));
+    }
+    let bytes = hash.finalize();
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn check_length(bytes: u64, name: &str) -> Result<(), MerlError> {

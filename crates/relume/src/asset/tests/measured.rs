@@ -139,3 +139,16 @@ fn tables_that_lie_are_refused_with_what_is_wrong() {
     }
     assert!(Merl::from_values(vec![[0.0; 3]; 7]).is_err());
 }
+
+#[test]
+fn checkpoints_tell_tables_apart_that_are_sampled_alike() {
+    let mut values = vec![[0.1; 3]; MERL_ENTRIES];
+    let first = format!("{:?}", Merl::from_values(values.clone()).unwrap());
+    assert_eq!(
+        first,
+        format!("{:?}", Merl::from_values(values.clone()).unwrap())
+    );
+    // Far from retroreflection, which is all that the sampling looks at.
+    values[MERL_ENTRIES - 1][2] = 0.2;
+    assert_ne!(first, format!("{:?}", Merl::from_values(values).unwrap()));
+}
