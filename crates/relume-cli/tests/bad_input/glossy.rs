@@ -48,7 +48,7 @@ fn headers(made: &Made) -> Vec<Case> {
     let brdf = |value: Value| header("brdf", value);
     let phong = |key: &'static str, value: Value| {
         changed_of(&made.glossy, move |json, _| {
-            extension(json)["brdf"][key] = value
+            extension(json)["brdf"][key] = value;
         })
     };
     let mut cases = vec![
@@ -165,7 +165,7 @@ fn headers(made: &Made) -> Vec<Case> {
         ),
     ];
     let diffuse = changed_of(&made.asset, |json, _| {
-        extension(json)["transferOrder"] = 2.into()
+        extension(json)["transferOrder"] = 2.into();
     });
     cases.push(refused(
         "a transfer order without matrices",
