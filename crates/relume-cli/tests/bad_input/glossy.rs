@@ -293,6 +293,11 @@ fn files() -> Vec<Case> {
             b"red 0.5\ngreen 0.5\n".to_vec(),
             "bytes, and a measured BRDF",
         ),
+        refused(
+            "the header and some numbers",
+            good[..12 + 8 * 12].to_vec(),
+            "it has 108 bytes",
+        ),
         refused("the header alone", good[..12].to_vec(), "it has 12 bytes"),
         refused(
             "a measured BRDF a byte short",

@@ -24,6 +24,8 @@ class GlossyTransfer:
     albedo     float32 [V, 3], linear; black where no face uses a vertex.
     brdf       how it reflects. `dataclasses.replace(transfer, brdf=…)` looks at the same light with another surface; what other surfaces saw of it
                when it was baked stays.
+
+    Surfaces are tabulated once: make another with `dataclasses.replace` rather than write into the arrays.
     """
 
     matrices: NDArray[np.float32]
