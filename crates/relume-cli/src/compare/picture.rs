@@ -33,6 +33,8 @@ pub struct ErrorPicture {
 
 /// Paths per pixel of each of two halves, whose difference tells the noise.
 const PATHS: u32 = 72;
+/// The same of glossy surfaces: a lobe shows the light more sharply than a cosine does, and what it shows scatters more.
+const GLOSSY_PATHS: u32 = 4 * PATHS;
 /// Pixels between and below the views.
 const GAP: u32 = 4;
 /// Of the scale: its height, and that of the letters' pixels.
@@ -99,17 +101,18 @@ impl Shot<'_> {
         seed: u64,
         (width, height): (u32, u32),
     ) -> Result<Picture, CameraError> {
+        let glossy = self.transfer.matrices.is_some();
         let options = RenderOptions {
             width,
             height,
-            samples_per_pixel: PATHS,
+            samples_per_pixel: if glossy { GLOSSY_PATHS } else { PATHS },
             bounces,
             seed,
         };
         let (world, camera) = (self.world, &self.camera);
         let radiance = reference::sh_radiance(self.light);
         let behind = |_: DVec3| [0.0; 3];
-        if self.transfer.matrices.is_none() {
+        if !glossy {
             return reference::render(world, &radiance, &behind, camera, &options);
         }
         let surfaces = reference::material_surfaces(world);

@@ -50,7 +50,7 @@ pub(crate) use hemisphere::cosine_sample;
 pub use integrate::HemisphereRule;
 pub use lambert::Lambert;
 pub(crate) use merl::ENTRIES as MERL_ENTRIES;
-#[cfg(test)]
+#[cfg(all(test, feature = "images", feature = "bake"))]
 pub(crate) use merl::tests::measured;
 pub use merl::{Merl, MerlError};
 pub use phong::Phong;
