@@ -9,6 +9,7 @@ mod export;
 mod fresh;
 mod gather;
 mod header;
+mod measured;
 mod merge;
 mod precision;
 mod read;
