@@ -19,10 +19,10 @@ const RIDGE: f64 = 1e-4;
 /// The coefficients of `f` on the whole sphere spend themselves on the jump at the horizon. Those of the fit minimise
 ///
 /// ```text
-/// 1/π ∫ cosθ (f − Σ c_i Y_i)² dω  +  ridge · |c − prior|²      over the hemisphere
+/// 1/π ∫ cosθ (f − Σ c_i Y_i)² dω  +  below · ∫' (Σ (c_i − prior_i) Y_i)² dω  +  ridge · |c − prior|²
 /// ```
 ///
-/// and leave free what it is below. As a surface sees nothing of that, what a BRDF makes of the fit is what it makes of `f`, but for what its
+/// over the hemisphere, and ∫' below it: there they may do as they like, within reason. As a surface sees nothing of that, what a BRDF makes of the fit is what it makes of `f`, but for what its
 /// order leaves out. Irradiance, `∫ cosθ f dω`, is kept exactly, ridge or not.
 #[derive(Clone, Debug)]
 pub struct Hemisphere {
