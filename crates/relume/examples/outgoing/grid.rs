@@ -67,10 +67,18 @@ impl Grid {
         let low = (ring as usize).min(self.rings - 1);
         let up = ring - low as f32;
         let turn = y.atan2(x) * (self.spokes as f32 / std::f32::consts::TAU);
-        let turn = if turn < 0.0 { turn + self.spokes as f32 } else { turn };
+        let turn = if turn < 0.0 {
+            turn + self.spokes as f32
+        } else {
+            turn
+        };
         let spoke = (turn as usize).min(self.spokes - 1);
         let along = turn - spoke as f32;
-        let next = if spoke + 1 == self.spokes { 0 } else { spoke + 1 };
+        let next = if spoke + 1 == self.spokes {
+            0
+        } else {
+            spoke + 1
+        };
         let on = |ring: usize| {
             if ring == 0 {
                 return state[0];
@@ -88,13 +96,20 @@ fn waves(spokes: usize, azimuths: usize) -> Vec<f32> {
     let count = spokes as f64;
     let gain = |mu: usize| {
         let turn = mu as f64 / count;
-        let sinc = if mu == 0 { 1.0 } else { (PI * turn).sin() / (PI * turn) };
+        let sinc = if mu == 0 {
+            1.0
+        } else {
+            (PI * turn).sin() / (PI * turn)
+        };
         sinc * sinc * 3.0 / (2.0 + (TAU * turn).cos())
     };
     let at = |spoke: usize| {
         (0..azimuths).flat_map(move |mu| {
             let (sin, cos) = (TAU * (spoke * mu) as f64 / count).sin_cos();
-            [cos, sin].into_iter().take(pair(mu)).map(move |wave| (wave * gain(mu)) as f32)
+            [cos, sin]
+                .into_iter()
+                .take(pair(mu))
+                .map(move |wave| (wave * gain(mu)) as f32)
         })
     };
     (0..spokes).flat_map(at).collect()
@@ -110,12 +125,18 @@ fn hats(operator: &Operator, rings: usize, mu: usize) -> Block {
         let at = step as f64 / STEPS as f64 * rings as f64;
         let low = (at as usize).min(rings - 1);
         let pole = if mu > 0 && low == 0 { 0.0 } else { 1.0 };
-        let hats = [(low, (1.0 + low as f64 - at) * pole), (low + 1, at - low as f64)];
+        let hats = [
+            (low, (1.0 + low as f64 - at) * pole),
+            (low + 1, at - low as f64),
+        ];
         for (i, a) in hats {
             for (j, b) in hats {
                 gram[i * count + j] += w * a * b;
             }
-            for (sum, o) in moments[i * columns..][..columns].iter_mut().zip(operator.row(step, mu)) {
+            for (sum, o) in moments[i * columns..][..columns]
+                .iter_mut()
+                .zip(operator.row(step, mu))
+            {
                 *sum += w * a * o;
             }
         }

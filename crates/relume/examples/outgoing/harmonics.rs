@@ -28,7 +28,11 @@ impl Harmonics {
         let ratio = |l: f64, m: f64| ((4.0 * l * l - 1.0) / (l * l - m * m)).sqrt();
         let step = |l: usize, m: usize| {
             let (l, m) = (l as f64, m as f64);
-            let before = if l - 1.0 > m { ratio(l - 1.0, m) } else { f64::INFINITY };
+            let before = if l - 1.0 > m {
+                ratio(l - 1.0, m)
+            } else {
+                f64::INFINITY
+            };
             (ratio(l, m) as f32, (ratio(l, m) / before) as f32)
         };
         let steps = (0..azimuths).flat_map(|m| (m + 1..n).map(move |l| step(l, m)));
@@ -53,7 +57,11 @@ impl Harmonics {
         for mu in 0..self.azimuths {
             let size = self.order - mu;
             let (cosines, rest) = c.split_at(size);
-            let (sines, rest) = if mu == 0 { (cosines, rest) } else { rest.split_at(size) };
+            let (sines, rest) = if mu == 0 {
+                (cosines, rest)
+            } else {
+                rest.split_at(size)
+            };
             let (mut before, mut p) = (0.0, self.sectoral[mu]);
             let (mut cosine, mut sine) = (0.0, 0.0);
             for l in 0..size {
@@ -92,7 +100,10 @@ mod tests {
             let expected = evaluate(&c, d);
             let ours = harmonics.sum(&by_azimuth(order, &c), d.as_vec3().to_array(), None);
             // A hundred terms of about 1, in f32.
-            assert!((f64::from(ours) - expected).abs() < 1e-5, "{ours} for {expected}");
+            assert!(
+                (f64::from(ours) - expected).abs() < 1e-5,
+                "{ours} for {expected}"
+            );
         }
     }
 }

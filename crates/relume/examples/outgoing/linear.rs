@@ -84,7 +84,6 @@ mod tests {
         (0..n * n).map(at).collect()
     }
 
-
     #[test]
     fn factors_solve() {
         let n = 6;

@@ -36,7 +36,11 @@ pub fn plane(operator: &Operator) -> Way {
     let weights = Table::new((0..=STEPS).map(|step| {
         let mut row = vec![0.0; m * m];
         for (l, solver) in solvers.iter().enumerate() {
-            for (k, c) in solver.solve(&degree(operator, step, l)).into_iter().enumerate() {
+            for (k, c) in solver
+                .solve(&degree(operator, step, l))
+                .into_iter()
+                .enumerate()
+            {
                 row[k * m + l] = c as f32;
             }
         }
@@ -63,7 +67,10 @@ pub fn fitted(operator: &Operator) -> Way {
         let degrees: Vec<Vec<f64>> = order.degrees().map(|l| degree(operator, step, l)).collect();
         let axis = best_axis(order, &degrees);
         let weights = along(order, &degrees, axis).into_iter();
-        std::iter::once(axis).chain(weights).map(|x| x as f32).collect()
+        std::iter::once(axis)
+            .chain(weights)
+            .map(|x| x as f32)
+            .collect()
     }));
     Way {
         name: "one zonal lobe, fitted",

@@ -7,6 +7,7 @@
 //! the state from transferred radiance, to the state by the compound matrix, and from the state to an eye; then in percent, relative RMS over PAIRS of a vertex and a view:
 //! against the exact reflection of the same transferred radiance, and against PATHS paths, which see the light unprojected.
 
+mod compound;
 mod families;
 mod grid;
 mod harmonics;
@@ -25,8 +26,9 @@ use glam::DVec3;
 use relume::basis::Order;
 use relume::brdf::{Brdf, Ggx, Phong};
 
+use crate::compound::Measured;
 use crate::operator::{Operator, cut, exact};
-use crate::pairs::{Mesh, Pair};
+use crate::pairs::{Mesh, Pair, Paths};
 use crate::times::{Times, light_by_matrix};
 use crate::ways::Way;
 
@@ -38,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let path = arguments.next().ok_or("which mesh?")?;
     let mut number = |otherwise: u32| arguments.next().map_or(Ok(otherwise), |n| n.parse());
     let (samples, count, paths) = (number(1024)?, number(300)?, number(16_384)?);
-    let mesh = Mesh::load(path.as_ref(), count as usize)?;
+    let mut mesh = Mesh::load(path.as_ref(), count as usize)?;
     let materials = materials();
     let prepared: Vec<Prepared> = materials
         .iter()
@@ -49,43 +51,78 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     for (n, m) in [(5, 5), (5, 10), (10, 10)] {
         let orders = [Order::new(n)?, Order::new(m)?];
-        let pairs = mesh.pairs(orders, samples)?;
+        let transfer = mesh.bake(orders, samples)?;
+        let pairs = mesh.pairs(&transfer)?;
         let matrix = light_by_matrix(orders[1].count(), orders[0]);
-        println!("{n}\t{m}\tany\ttransfer matrix\t\t\t{}\t{}\t\t{matrix:.1}", m * m, 4 * m * m * n * n);
+        let bytes = 4 * m * m * n * n;
+        println!(
+            "{n}\t{m}\tany\ttransfer matrix\t\t\t{}\t{bytes}\t\t{matrix:.1}",
+            m * m
+        );
         let mut times: Vec<Times> = Vec::new();
         for ((name, brdf), prepared) in materials.iter().zip(&prepared) {
-            let paths = mesh.paths(brdf, orders[0], paths)?;
             let rows = prepared.rows(orders[1]);
-            let truth: Vec<f64> = pairs.iter().zip(&rows).map(|(pair, row)| pair.reflect(row)).collect();
+            let truth = pairs.iter().zip(&rows).map(|(pair, row)| pair.reflect(row));
+            let judge = Judge {
+                before: format!("{n}\t{m}\t{name}"),
+                truth: truth.collect(),
+                paths: mesh.paths(brdf, orders[0], paths)?,
+            };
             let families = families::all(brdf, &prepared.operator.cut(orders[1]))?;
             if times.is_empty() {
                 let ways = families.iter().flatten();
                 times = ways.map(|way| Times::new(way, &pairs, orders)).collect();
             }
-            let mut times = times.iter();
-            for family in &families {
-                let mut errors = Vec::new();
-                for way in family {
-                    let ours = radiance(way, &pairs, orders[1]);
-                    let error = relative(&ours, &truth);
-                    let (total, noise) = (relative(&ours, &paths.mean), paths.noise);
-                    let time = times.next().ok_or("a time for every way")?;
-                    println!(
-                        "{n}\t{m}\t{name}\t{}\t{}\t{}\t{time}\t{:.3}\t{:.2}\t{:.2}",
-                        way.name,
-                        way.label,
-                        way.material_bytes,
-                        100.0 * error,
-                        100.0 * total,
-                        100.0 * noise
-                    );
-                    errors.push(error);
-                }
-                families::assert_convergence(family, &errors);
+            judge.families(&families, &pairs, &times);
+            // Of order 10 to 12 the whole mesh takes a gigabyte.
+            if n == 5 {
+                let measured = compound::measure(&mut mesh, brdf, &transfer, Order::new(m + 2)?)?;
+                let Measured {
+                    label,
+                    times,
+                    radiance,
+                } = &measured;
+                judge.row("compound, the library's", label, 0, times, radiance);
             }
         }
     }
     Ok(())
+}
+
+/// What is right for one material and transfer.
+struct Judge {
+    /// The first columns.
+    before: String,
+    truth: Vec<f64>,
+    paths: Paths,
+}
+
+impl Judge {
+    /// A row for each way; `times` are in their order.
+    fn families(&self, families: &[Vec<Way>], pairs: &[Pair], times: &[Times]) {
+        let mut times = times.iter();
+        for family in families {
+            let mut errors = Vec::new();
+            for (way, times) in family.iter().zip(&mut times) {
+                let ours = radiance(way, pairs);
+                errors.push(self.row(way.name, &way.label, way.material_bytes, times, &ours));
+            }
+            families::assert_convergence(family, &errors);
+        }
+    }
+
+    /// Prints a row, and returns its error.
+    fn row(&self, way: &str, label: &str, bytes: usize, times: &Times, ours: &[f64]) -> f64 {
+        let error = relative(ours, &self.truth);
+        println!(
+            "{}\t{way}\t{label}\t{bytes}\t{times}\t{:.3}\t{:.2}\t{:.2}",
+            self.before,
+            100.0 * error,
+            100.0 * relative(ours, &self.paths.mean),
+            100.0 * self.paths.noise
+        );
+        error
+    }
 }
 
 /// Lobes alone, white: what is diffuse is no trouble for any way.
@@ -124,7 +161,10 @@ struct Prepared {
 impl Prepared {
     fn new(brdf: &Brdf, mesh: &Mesh) -> Result<Self, Box<dyn Error>> {
         let order = Order::new(MOST)?;
-        let rows = mesh.eyes().iter().map(|eye| exact(brdf, order, f64::from(eye.local[2]).acos()));
+        let rows = mesh
+            .eyes()
+            .iter()
+            .map(|eye| exact(brdf, order, f64::from(eye.local[2]).acos()));
         Ok(Self {
             operator: Operator::new(brdf, order),
             rows: rows.collect(),
@@ -133,11 +173,16 @@ impl Prepared {
 
     fn rows(&self, order: Order) -> Vec<Vec<f64>> {
         let rows = self.rows.iter();
-        rows.map(|row| cut(row, self.operator.order, order)).collect()
+        rows.map(|row| cut(row, self.operator.order, order))
+            .collect()
     }
 }
 
-fn radiance(way: &Way, pairs: &[Pair], order: Order) -> Vec<f64> {
+/// What a way makes of the pairs.
+fn radiance(way: &Way, pairs: &[Pair]) -> Vec<f64> {
+    let Some(order) = pairs.first().map(Pair::order) else {
+        return Vec::new();
+    };
     let mut state = vec![0.0; way.state(order)];
     let (mut scratch, mut work) = (Vec::new(), ways::Scratch::new(order));
     let mut one = |pair: &Pair| {

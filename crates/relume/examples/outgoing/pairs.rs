@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
+use relume::asset::Transfer;
 use relume::bake::{self, BakeOptions, Monitor};
 use relume::basis::{Angle, Euler, EulerRotation, Order};
 use relume::brdf::Brdf;
@@ -18,8 +19,8 @@ use crate::ways::{Eye, Space, azimuth};
 
 /// A mesh, and which vertices are seen from where.
 pub struct Mesh {
-    world: World,
-    vertices: Vec<usize>,
+    pub world: World,
+    pub vertices: Vec<usize>,
     eyes: Vec<Eye>,
 }
 
@@ -45,7 +46,10 @@ impl Mesh {
         let eye = |(k, &vertex): (usize, &usize)| {
             // A plane lattice of the plastic number.
             let lattice = |a: f64| ((k as f64 + 0.5) * a).fract();
-            let (u, v) = (lattice(0.754_877_666_246_693), lattice(0.569_840_290_998_053_3));
+            let (u, v) = (
+                lattice(0.754_877_666_246_693),
+                lattice(0.569_840_290_998_053_3),
+            );
             let (sin, cos) = (std::f64::consts::TAU * v).sin_cos();
             let local = DVec3::new(u.sqrt() * cos, u.sqrt() * sin, (1.0 - u).sqrt());
             let normal = world.normals[vertex].as_dvec3().normalize();
@@ -67,8 +71,7 @@ impl Mesh {
         &self.eyes
     }
 
-    /// Transferred radiance at the vertices, for light and transfer of these orders.
-    pub fn pairs(&self, orders: [Order; 2], samples: u32) -> Result<Vec<Pair>, Box<dyn Error>> {
+    pub fn bake(&self, orders: [Order; 2], samples: u32) -> Result<Transfer, Box<dyn Error>> {
         let options = BakeOptions {
             order: orders[0],
             transfer_order: Some(orders[1]),
@@ -79,14 +82,18 @@ impl Mesh {
             progress: &|_| (),
             cancelled: &AtomicBool::new(false),
         };
-        let transfer = bake::bake(&self.world, &options, &monitor)?.transfer;
-        let light = IncidentLight::Distant(sky(orders[0])?);
-        let transferred = TransferredRadiance::new(&transfer, &light).ok_or("no matrices")?;
-        let rotation = EulerRotation::new(orders[1]);
-        let count = orders[1].count();
+        Ok(bake::bake(&self.world, &options, &monitor)?.transfer)
+    }
+
+    /// Transferred radiance at the vertices.
+    pub fn pairs(&self, transfer: &Transfer) -> Result<Vec<Pair>, Box<dyn Error>> {
+        let light = IncidentLight::Distant(sky(transfer.order)?);
+        let transferred = TransferredRadiance::new(transfer, &light).ok_or("no matrices")?;
+        let order = transferred.order;
+        let rotation = EulerRotation::new(order);
         let pair = |(&vertex, eye): (&usize, &Eye)| {
-            let green = &transferred.front[(3 * vertex + 1) * count..][..count];
-            Pair::new(green, *eye, orders[1], &rotation)
+            let green = &transferred.front[(3 * vertex + 1) * order.count()..][..order.count()];
+            Pair::new(green, *eye, order, &rotation)
         };
         Ok(self.vertices.iter().zip(&self.eyes).map(pair).collect())
     }
@@ -100,8 +107,15 @@ impl Mesh {
             ..EstimateOptions::default()
         };
         let surfaces = |_, _| brdf.clone();
-        let found = estimate_outgoing(&self.world, &surfaces, &self.seen()?, &sh_radiance(&light), &options);
-        let sum = |value: &dyn Fn(usize) -> f64| (0..found.len()).map(|i| value(i).powi(2)).sum::<f64>();
+        let found = estimate_outgoing(
+            &self.world,
+            &surfaces,
+            &self.seen()?,
+            &sh_radiance(&light),
+            &options,
+        );
+        let sum =
+            |value: &dyn Fn(usize) -> f64| (0..found.len()).map(|i| value(i).powi(2)).sum::<f64>();
         let noise = sum(&|i| found[i].standard_error[1]) / sum(&|i| found[i].mean[1]);
         Ok(Paths {
             mean: found.iter().map(|estimate| estimate.mean[1]).collect(),
@@ -134,7 +148,7 @@ impl Mesh {
     }
 }
 
-fn sky(order: Order) -> Result<ShLight, Box<dyn Error>> {
+pub fn sky(order: Order) -> Result<ShLight, Box<dyn Error>> {
     let (sky, _) = light::load(&"sky:30,3".parse()?, &LightOptions::default())?;
     Ok(sky.project(order))
 }
@@ -151,6 +165,12 @@ impl Pair {
             world.to_vec(),
         ];
         Self { eye, transferred }
+    }
+
+    /// Of the transferred radiance.
+    pub fn order(&self) -> Order {
+        let count = self.transferred[0].len();
+        Order::from_count(count).expect("an expansion")
     }
 
     pub fn transferred(&self, space: Space) -> &[f32] {

@@ -44,7 +44,13 @@ pub fn zonal(operator: &Operator, lobe: &Zonal, order: Order) -> Way {
         });
         block(operator.order.get() - mu, scaled.flatten())
     };
-    let way = harmonics("zonal, cosine in T", operator, order, Direction::Mirrored, of);
+    let way = harmonics(
+        "zonal, cosine in T",
+        operator,
+        order,
+        Direction::Mirrored,
+        of,
+    );
     Way {
         // The cosine is in the transfer matrix, so the material is the lobe alone.
         material_bytes: 4 * order.get(),

@@ -45,7 +45,10 @@ pub fn separable(operator: &Operator, count: usize) -> Way {
     }));
     let blocks = (0..azimuths).map(|mu| {
         let of = terms.iter().filter(|term| term.mu == mu);
-        block(operator.order.get() - mu, of.flat_map(|term| term.incident.iter().copied()))
+        block(
+            operator.order.get() - mu,
+            of.flat_map(|term| term.incident.iter().copied()),
+        )
     });
     let blocks: Vec<Block> = blocks.collect();
     Way {

@@ -14,11 +14,11 @@ const VERTICES: usize = 2048;
 
 /// What a way takes.
 pub struct Times {
-    state: usize,
-    compound_bytes: usize,
-    light: f64,
-    compound: f64,
-    view: f64,
+    pub state: usize,
+    pub compound_bytes: usize,
+    pub light: f64,
+    pub compound: f64,
+    pub view: f64,
 }
 
 impl Times {
@@ -39,7 +39,9 @@ impl Times {
         let mut work = Scratch::new(transfer);
         let to_eye = nanoseconds(|| {
             let states = states.chunks_exact(size).enumerate();
-            let sum: f32 = states.map(|(v, state)| way.view(state, &pair(v).eye, &mut work)).sum();
+            let sum: f32 = states
+                .map(|(v, state)| way.view(state, &pair(v).eye, &mut work))
+                .sum();
             black_box(sum);
         });
         Self {

@@ -1,8 +1,8 @@
 //! A way to make outgoing radiance of transferred radiance.
 
 use glam::DVec3;
-use relume::basis::{EulerRotation, Order};
-use relume::brdf::Reflector;
+use relume::basis::Order;
+use relume::brdf::{self, Reflector};
 
 use crate::grid::Grid;
 use crate::harmonics::Harmonics;
@@ -49,8 +49,8 @@ pub struct Block {
 
 /// How a state becomes radiance toward an eye.
 pub enum Basis {
-    /// The library's: a table of vectors in f64, rotated for each eye.
-    Library(Box<Reflector>, Box<EulerRotation>),
+    /// The library's.
+    Library(Box<Reflector>),
     /// `o_lμ(θ)`, f32, linear between the steps.
     Table(Table),
     /// Harmonics of the view, of its mirror image, or of the view with the hemisphere stretched to a sphere.
@@ -101,7 +101,11 @@ impl Table {
 /// A direction of the plane along x and y, or x itself.
 pub fn azimuth(d: [f32; 3]) -> (f32, f32) {
     let r = (d[0] * d[0] + d[1] * d[1]).sqrt();
-    if r > 1e-12 { (d[0] / r, d[1] / r) } else { (1.0, 0.0) }
+    if r > 1e-12 {
+        (d[0] / r, d[1] / r)
+    } else {
+        (1.0, 0.0)
+    }
 }
 
 impl Way {
@@ -152,9 +156,7 @@ impl Way {
     /// Radiance toward an eye.
     pub fn view(&self, state: &[f32], eye: &Eye, scratch: &mut Scratch) -> f32 {
         match &self.basis {
-            Basis::Library(reflector, rotation) => {
-                scratch.library(reflector, rotation, state, eye)
-            }
+            Basis::Library(reflector) => scratch.library(reflector, state, eye),
             Basis::Table(table) => toward(table, state, eye.local),
             Basis::Harmonics(harmonics, direction) => {
                 harmonics.sum(state, direction.of(eye.local), None)
@@ -183,27 +185,26 @@ impl Direction {
 /// What a thread writes on.
 pub struct Scratch {
     o: Vec<f64>,
-    rotated: Vec<f64>,
+    terms: brdf::Scratch,
 }
 
 impl Scratch {
     pub fn new(order: Order) -> Self {
         Self {
             o: vec![0.0; 3 * order.count()],
-            rotated: vec![0.0; order.count()],
+            terms: brdf::Scratch::new(order),
         }
     }
 
-    fn library(
-        &mut self,
-        reflector: &Reflector,
-        rotation: &EulerRotation,
-        state: &[f32],
-        eye: &Eye,
-    ) -> f32 {
-        let (o, rotated) = (&mut self.o, &mut self.rotated);
-        reflector.toward(DVec3::ZERO, eye.normal, eye.world, rotation, o, rotated);
-        let pairs = o.iter().zip(state);
+    fn library(&mut self, reflector: &Reflector, state: &[f32], eye: &Eye) -> f32 {
+        // What the BRDF has of its own is all there is to it.
+        let finish = brdf::Finish {
+            base_color: DVec3::ONE,
+            metallic: 1.0,
+            roughness: 1.0,
+        };
+        reflector.toward(&finish, eye.normal, eye.world, &mut self.terms, &mut self.o);
+        let pairs = self.o.iter().zip(state);
         pairs.map(|(o, &a)| o * f64::from(a)).sum::<f64>() as f32
     }
 }
@@ -212,7 +213,6 @@ impl Scratch {
 pub fn pair(mu: usize) -> usize {
     if mu == 0 { 1 } else { 2 }
 }
-
 
 fn multiply(blocks: &[Block], a: &[f32], state: &mut [f32]) {
     let (mut a, mut state) = (a, state);
@@ -240,7 +240,11 @@ fn toward(table: &Table, a: &[f32], d: [f32; 3]) -> f32 {
         let first = start(order, mu);
         let (low, high) = (&low[first..][..size], &high[first..][..size]);
         let (cosines, rest) = a.split_at(size);
-        let (sines, rest) = if mu == 0 { (cosines, rest) } else { rest.split_at(size) };
+        let (sines, rest) = if mu == 0 {
+            (cosines, rest)
+        } else {
+            rest.split_at(size)
+        };
         let mut sum = 0.0;
         for l in 0..size {
             let o = low[l] + t * (high[l] - low[l]);
@@ -260,7 +264,11 @@ fn separable(table: &Table, counts: &[usize], state: &[f32], d: [f32; 3]) -> f32
     let (mut re, mut im, mut total) = (1.0, 0.0, 0.0);
     for (mu, &size) in counts.iter().enumerate() {
         let (cosines, rest) = state.split_at(size);
-        let (sines, rest) = if mu == 0 { (cosines, rest) } else { rest.split_at(size) };
+        let (sines, rest) = if mu == 0 {
+            (cosines, rest)
+        } else {
+            rest.split_at(size)
+        };
         for k in 0..size {
             let g = low[at + k] + t * (high[at + k] - low[at + k]);
             total += g * (re * cosines[k] + im * sines[k]);

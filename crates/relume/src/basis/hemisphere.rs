@@ -37,10 +37,16 @@ struct Block {
 }
 
 impl Hemisphere {
-    /// For expansions of `order`.
+    /// For expansions of `order`, with the ridge of transferred radiance: 1e-4.
     pub fn new(order: Order) -> Self {
+        Self::with_ridge(order, RIDGE)
+    }
+
+    /// With a ridge of one's own, above 0: the smaller, the closer the fit near the horizon, and the larger the coefficients. With 1e-6 they
+    /// reach a thousand times those of the function at order 10, which no neighbour with another normal should see.
+    pub fn with_ridge(order: Order, ridge: f64) -> Self {
         let blocks = (0..order.get())
-            .map(|m| Block::new(order, m))
+            .map(|m| Block::new(order, m, ridge))
             .collect::<Vec<_>>();
         Self { order, blocks }
     }
@@ -93,11 +99,11 @@ impl Hemisphere {
 }
 
 impl Block {
-    fn new(order: Order, m: usize) -> Self {
+    fn new(order: Order, m: usize, ridge: f64) -> Self {
         let size = order.get() - m;
         let gram = gram(order, m);
         let mut raised = gram.clone();
-        (0..size).for_each(|i| raised[i * (size + 1)] += RIDGE);
+        (0..size).for_each(|i| raised[i * (size + 1)] += ridge);
         let mut fit = inverse(&raised, size);
         if m == 0 {
             keep_irradiance(&mut fit, &gram, size);

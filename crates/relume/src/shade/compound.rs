@@ -23,7 +23,7 @@ mod tests;
 /// ```
 ///
 /// BRDF, base colour and cosine are folded in; both expansions are in the space of the scene. Outgoing radiance is the fit of [`crate::basis::Hemisphere`] above the
-/// horizon, which weighs directions as pixels see them, and means nothing below. Matrices answer to any light and eye without the BRDF, at the price of 3 · outgoing order² · order² numbers a side.
+/// horizon, which weighs directions as pixels see them, and means nothing below. Maps are taken at the vertex's texture coordinates, normal maps left out. Matrices answer to any light and eye without the BRDF, at the price of 3 · outgoing order² · order² numbers a side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compound {
     /// A transfer whose matrices are M: light is applied to them as to any.
@@ -57,7 +57,7 @@ pub enum CompoundError {
 impl Compound {
     /// Of a transfer with matrices, and the world it is of; outgoing radiance gets order `outgoing`.
     ///
-    /// Two more than the order of transferred radiance leaves no error of its own to speak of; docs/performance.md has the figures for lower ones.
+    /// Two more than the order of transferred radiance adds an error of a thousandth or less; docs/performance.md has the figures for lower ones.
     ///
     /// # Errors
     /// [`CompoundError`] where the transfer has no matrices, or a material is anisotropic. Panics when the transfer is not of this world.

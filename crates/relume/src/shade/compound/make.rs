@@ -1,21 +1,23 @@
 //! The matrices: into the tangent frame, reflected, fitted, and back into the space of the scene.
 
-use std::f64::consts::FRAC_1_PI;
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_PI, PI};
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::CompoundError;
 use crate::asset::{Matrices, Transfer};
 use crate::basis::{
     Angle, Euler, EulerRotation, Hemisphere, Order, gauss_legendre, index, sh::Evaluator,
 };
-use crate::brdf::Reflector;
+use crate::brdf::{Finish, Reflector, Scratch};
 use crate::scene::World;
 
 /// Angles of view that a reflection is integrated over, beyond the outgoing order: it is smooth but for the steep end of rough lobes.
 const NODES: usize = 24;
+
+/// A hundredth of what transferred radiance is fitted with: each vertex is seen by its own expansion alone, so that large coefficients do no harm.
+const RIDGE: f64 = 1e-6;
 
 /// M of all sides, in three channels.
 pub fn matrices(
@@ -32,7 +34,10 @@ pub fn matrices(
     );
     let maker = Maker::new(world, transfer, given.order, outgoing)?;
     let normal = |vertex: usize| world.normals[vertex].as_dvec3().normalize_or(DVec3::Z);
-    let backs = transfer.back.as_ref().map_or(&[][..], |back| &back.vertices);
+    let backs = transfer
+        .back
+        .as_ref()
+        .map_or(&[][..], |back| &back.vertices);
     let back = |side: usize| backs[side] as usize;
     Ok(Matrices {
         order: outgoing,
@@ -56,7 +61,7 @@ struct Maker {
     reflectors: Vec<Arc<Reflector>>,
     /// By vertex.
     materials: Vec<u32>,
-    albedos: Vec<Vec3>,
+    finishes: Vec<Finish>,
     /// Views in the half plane of x and z, with the weight `cosθ dω / (π dφ)` and the outgoing functions there.
     views: Vec<(DVec3, f64, Vec<f64>)>,
     hemisphere: Hemisphere,
@@ -66,11 +71,12 @@ struct Maker {
 
 /// What a thread writes on.
 struct Work {
-    /// The material and the albedo that `reflection` is of.
-    key: Option<(u32, [u32; 3])>,
+    /// The material and the finish that `reflection` is of.
+    key: Option<(u32, Finish)>,
     /// `1/π ∫ cosθ_o Y_k o_i dω_o`, by channel and azimuth μ ≥ 0, `[k − μ][i − μ]`: cosines and sines share it.
     reflection: [Vec<Vec<f64>>; 3],
     o: Vec<f64>,
+    o_scratch: Scratch,
     /// Of incident, and of outgoing order: a column, its moments, and room to rotate in.
     a: Vec<f64>,
     a_scratch: Vec<f64>,
@@ -86,7 +92,10 @@ impl Maker {
         incident: Order,
         outgoing: Order,
     ) -> Result<Self, CompoundError> {
-        let reflections = world.materials.iter().map(|material| &material.reflection);
+        let reflections = world
+            .materials
+            .iter()
+            .map(|m| (&m.reflection, m.metallic_roughness_texture.is_some()));
         let evaluator = Evaluator::new(outgoing);
         let view = |(x, weight): (f64, f64)| {
             let z = 0.5 * (1.0 + x);
@@ -103,9 +112,9 @@ impl Maker {
             channels: transfer.channels,
             reflectors: Reflector::all(reflections, incident)?,
             materials: world.vertex_materials(),
-            albedos: world.vertex_albedos(),
+            finishes: world.vertex_finishes(),
             views: nodes.map(view).collect(),
-            hemisphere: Hemisphere::new(outgoing),
+            hemisphere: Hemisphere::with_ridge(outgoing, RIDGE),
             incident_rotation: EulerRotation::new(incident),
             outgoing_rotation: EulerRotation::new(outgoing),
         })
@@ -168,24 +177,20 @@ impl Maker {
 
     /// What the vertex's material makes of incident radiance, as moments of outgoing radiance; kept for its neighbours.
     fn reflect(&self, work: &mut Work, vertex: usize) {
-        let (material, albedo) = (self.materials[vertex], self.albedos[vertex]);
-        let key = (material, albedo.to_array().map(f32::to_bits));
+        let key = (self.materials[vertex], self.finishes[vertex]);
         if work.key.replace(key) == Some(key) {
             return;
         }
         let blocks = work.reflection.iter_mut().flatten();
         blocks.for_each(|block| block.fill(0.0));
-        let reflector = &self.reflectors[material as usize];
+        let reflector = &self.reflectors[key.0 as usize];
         for (view, weight, y) in &self.views {
-            reflector.toward(
-                albedo.as_dvec3(),
-                DVec3::Z,
-                *view,
-                &self.incident_rotation,
-                &mut work.o,
-                &mut work.a_scratch,
-            );
-            for (blocks, o) in work.reflection.iter_mut().zip(work.o.chunks_exact(self.incident.count())) {
+            reflector.toward(&key.1, DVec3::Z, *view, &mut work.o_scratch, &mut work.o);
+            for (blocks, o) in work
+                .reflection
+                .iter_mut()
+                .zip(work.o.chunks_exact(self.incident.count()))
+            {
                 self.add(blocks, *weight, y, o);
             }
         }
@@ -233,6 +238,7 @@ impl Work {
             key: None,
             reflection: [blocks.clone(), blocks.clone(), blocks],
             o: vec![0.0; 3 * incident.count()],
+            o_scratch: Scratch::new(incident),
             a: vec![0.0; incident.count()],
             a_scratch: vec![0.0; incident.count()],
             moments: vec![0.0; outgoing.count()],
