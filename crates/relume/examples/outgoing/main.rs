@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let path = arguments.next().ok_or("which mesh?")?;
     let mut number = |otherwise: u32| arguments.next().map_or(Ok(otherwise), |n| n.parse());
-    let (samples, count, paths) = (number(1024)?, number(300)?, number(16_384)?);
+    let (samples, count, paths) = (number(1024)?, number(300)?, number(4096)?);
     let mut mesh = Mesh::load(path.as_ref(), count as usize)?;
     let materials = materials();
     let prepared: Vec<Prepared> = materials
