@@ -6,6 +6,7 @@ of order 5 and transferred radiance of order 10 to outgoing.svg.
 
 import argparse
 import csv
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -40,7 +41,9 @@ def parse():
 
 def measure(arguments, table):
     command = [arguments.example, arguments.mesh, *arguments.numbers]
-    process = subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, encoding="utf-8")
+    # One thread for the library's own stages, as for the rest; the bake takes all.
+    environment = {**os.environ, "RAYON_NUM_THREADS": "1"}
+    process = subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, encoding="utf-8", env=environment)
     with table.open("w", encoding="utf-8") as file:
         for line in process.stdout:
             print(line, end="", flush=True)

@@ -320,7 +320,7 @@ pub struct ExportArgs {
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Instead of transfer, matrices from light to radiance toward every direction, as harmonics of this order, materials included; two more than
-    /// the transfer order is exact but for a thousandth. For assets of `bake --transfer glossy`
+    /// the transfer order is good to some thousandths. For assets of `bake --transfer glossy`
     #[arg(long, value_name = "ORDER", value_parser = parse::order)]
     pub compound: Option<Order>,
 }

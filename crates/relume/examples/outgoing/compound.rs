@@ -14,7 +14,7 @@ use relume::shade::{Compound, SurfaceLightField};
 use crate::pairs::{Mesh, sky};
 use crate::times::Times;
 
-/// What they make of the pairs, and what they cost a vertex and channel; on as many threads as there are.
+/// What they make of the pairs, and what they cost a vertex and channel; on all threads, unless RAYON_NUM_THREADS says 1.
 pub struct Measured {
     pub radiance: Vec<f64>,
     pub times: Times,
@@ -40,8 +40,10 @@ pub fn measure(
     let (field, to_field) = fastest(|| compound.under(&light));
     let (low, high) = mesh.world.bounds().ok_or("nothing to look at")?;
     let eye = (high + (high - low)).as_dvec3();
-    let (_, to_eye) = fastest(|| black_box(field.radiance(&mesh.world, eye)));
-    let numbers = 3.0 * mesh.world.positions.len() as f64;
+    let (seen, to_eye) = fastest(|| black_box(field.radiance(&mesh.world, eye)));
+    // The others turn away, which takes no time.
+    let seen = seen.iter().filter(|&&rgb| rgb != [0.0; 3]).count();
+    let vertices = mesh.world.positions.len() as f64;
     let count = outgoing.count();
     Ok(Measured {
         radiance: toward(mesh, &field),
@@ -49,12 +51,12 @@ pub fn measure(
             state: count,
             compound_bytes: 4 * count * transfer.order.count(),
             light: 0.0,
-            compound: to_field * 1e9 / numbers,
-            view: to_eye * 1e9 / numbers,
+            compound: to_field * 1e9 / (3.0 * vertices),
+            view: to_eye * 1e9 / (3.0 * seen as f64),
         },
         label: format!(
             "order {outgoing}, made at {:.0} vertices/s",
-            numbers / 3.0 / made
+            vertices / made
         ),
     })
 }

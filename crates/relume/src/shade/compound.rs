@@ -57,7 +57,7 @@ pub enum CompoundError {
 impl Compound {
     /// Of a transfer with matrices, and the world it is of; outgoing radiance gets order `outgoing`.
     ///
-    /// Two more than the order of transferred radiance adds an error of a thousandth or less; docs/performance.md has the figures for lower ones.
+    /// Two more than the order of transferred radiance adds an error of some thousandths at most; docs/performance.md has the figures for lower ones.
     ///
     /// # Errors
     /// [`CompoundError`] where the transfer has no matrices, or a material is anisotropic. Panics when the transfer is not of this world.
