@@ -309,7 +309,7 @@ pub struct CompareArgs {
 /// Coefficients of a baked asset in other people's formats
 #[derive(Args)]
 #[command(after_help = "\
-Example:
+Examples:
   relume export baked.glb -o transfer.npz
   python3 -c 'import numpy; print(numpy.load(\"transfer.npz\")[\"transfer\"].shape)'
   relume export glossy.glb -o compound.npz --compound 7")]

@@ -114,9 +114,9 @@ fn it_converges_to_what_two_stages_say() {
         let transfer = transfer(&world, 2, 5, channels);
         let errors = [2, 4, 7, 9, 12].map(|k| error(&world, &transfer, k));
         println!("{errors:?}");
-        assert!(errors.is_sorted_by(|a, b| a > b), "{errors:?}");
-        // In the end the ridge is left, and the horizon's last degrees: about the root of 1e-6.
-        assert!(errors[4] < 1e-3, "{errors:?}");
+        assert!(errors[..4].is_sorted_by(|a, b| a > b), "{errors:?}");
+        // Then the ridge is left: about the root of 1e-6.
+        assert!(errors[3..].iter().all(|&error| error < 1e-3), "{errors:?}");
     }
 }
 
