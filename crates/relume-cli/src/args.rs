@@ -314,15 +314,20 @@ pub struct CompareArgs {
 /// Coefficients of a baked asset in other people's formats
 #[derive(Args)]
 #[command(after_help = "\
-Example:
+Examples:
   relume export baked.glb -o transfer.npz
-  python3 -c 'import numpy; print(numpy.load(\"transfer.npz\")[\"transfer\"].shape)'")]
+  python3 -c 'import numpy; print(numpy.load(\"transfer.npz\")[\"transfer\"].shape)'
+  relume export glossy.glb -o compound.npz --compound 7")]
 pub struct ExportArgs {
     /// A baked asset
     pub asset: PathBuf,
     /// The file to write, .npz
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
+    /// Instead of transfer, matrices from light to radiance toward every direction, as harmonics of this order, materials included; two more than
+    /// the transfer order is good to some thousandths. For assets of `bake --transfer glossy`
+    #[arg(long, value_name = "ORDER", value_parser = parse::order)]
+    pub compound: Option<Order>,
 }
 
 /// What is in a file: an asset, a scene, a light

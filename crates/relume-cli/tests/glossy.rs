@@ -21,6 +21,10 @@ fn a_glossy_model_is_baked_described_and_looked_at() {
         serde_json::from_str(&bench.succeed("info baked.glb --json").0).unwrap();
     assert_eq!(json["transfer_order"], 4);
     bench.succeed("shade baked.glb --light sky:40,3 --eye 3,2,3 -o radiance.npz");
+    let said = bench
+        .succeed("export baked.glb -o compound.npz --compound 6")
+        .1;
+    assert!(said.contains(", 3, 36, 9]"), "{said}");
     bench.succeed(
         "render baked.glb --light sky:40,3 -o look.png --size 64x48 --samples-per-pixel 1",
     );
@@ -74,12 +78,14 @@ fn flags_that_do_not_go_together_exit_with_2_and_assets_that_do_not_with_1() {
         bench.fail(2, &format!("bake scene.obj -o out.glb {flags}"));
         assert!(!bench.path("out.glb").exists(), "{flags}");
     }
+    bench.fail(2, "export scene.glb -o compound.npz --compound 33");
     bench.bake("glossy.glb", PHONG);
     bench.bake("diffuse.glb", "");
     for line in [
         "shade glossy.glb --light sky:40,3 -o radiance.npz",
         "shade diffuse.glb --light sky:40,3 --eye 1,2,3 -o radiance.npz",
         "compare diffuse.glb --light sky:40,3 --eye 1,2,3",
+        "export diffuse.glb -o compound.npz --compound 4",
     ] {
         bench.fail(1, line);
     }
