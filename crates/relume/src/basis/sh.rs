@@ -82,6 +82,11 @@ impl Evaluator {
         self.order
     }
 
+    /// The instructions that f32 is evaluated by.
+    pub(crate) fn level(&self) -> Level {
+        self.level
+    }
+
     /// All basis functions at the unit direction `d`; `values` has `order²` places.
     pub fn eval(&self, d: DVec3, values: &mut [f64]) {
         let n = self.order.get();

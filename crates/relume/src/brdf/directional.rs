@@ -6,6 +6,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use super::plane::LobePlane;
+use super::radiance::lanes;
 use super::{Brdf, Ggx, HemisphereRule};
 use crate::basis::{Order, index, sh::Evaluator};
 
@@ -25,8 +26,16 @@ pub struct DirectionalTable {
     order: Order,
     /// 1, or one per step of roughness.
     levels: usize,
-    /// `[levels][STEPS + 3][3][order²]`: the angles −1…STEPS+1 steps from the normal.
-    values: Vec<f64>,
+    /// `[levels][STEPS + 3][3][order][lanes]`, the c_lk: the angles −1…STEPS+1 steps from the normal; directions filled up with zeros.
+    values: Vec<f32>,
+}
+
+/// A row of the table, and what it counts for.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Row {
+    /// Where it begins.
+    pub first: usize,
+    pub weight: f32,
 }
 
 /// A BRDF that does not turn with the view.
@@ -85,7 +94,8 @@ impl DirectionalTable {
         };
         #[cfg(not(feature = "bake"))]
         let rows: Vec<Vec<f64>> = places.map(of).collect();
-        let mut values = Vec::with_capacity(levels * (STEPS + 3) * 3 * order.count());
+        let (lanes, mut lobes) = (lanes(order), vec![0.0; order.count()]);
+        let mut values = Vec::with_capacity(levels * (STEPS + 3) * 3 * order.get() * lanes);
         for rows in rows.chunks_exact(STEPS + 1) {
             // On the other side of the normal the picture is mirrored: odd μ change sign.
             let before = mirrored(order, &rows[1]);
@@ -93,9 +103,12 @@ impl DirectionalTable {
             let after: Vec<f64> = last.map(|(a, b)| 2.0 * a - b).collect();
             for row in std::iter::once(&before).chain(rows).chain([&after]) {
                 for cosines in row.chunks_exact(LobePlane::cosines(order)) {
-                    let first = values.len();
-                    values.resize(first + order.count(), 0.0);
-                    plane.lobes(cosines, &mut values[first..]);
+                    plane.lobes(cosines, &mut lobes);
+                    for degree in lobes.chunks_exact(order.get()) {
+                        let end = values.len() + lanes;
+                        values.extend(degree.iter().map(|&c| c as f32));
+                        values.resize(end, 0.0);
+                    }
                 }
             }
         }
@@ -118,21 +131,42 @@ impl DirectionalTable {
 
     /// The lobes (`[3][order][order]`, c_lk) for a view whose cosine with the normal is `cosine`, at a roughness if the table has that.
     pub fn lobes(&self, cosine: f64, roughness: f64, lobes: &mut [f64]) {
+        lobes.fill(0.0);
+        let (rows, count) = self.rows(cosine, roughness);
+        for row in &rows[..count] {
+            let degrees = self.values[row.first..].chunks_exact(lanes(self.order));
+            let places = lobes.chunks_exact_mut(self.order.get());
+            for (places, degree) in places.zip(degrees) {
+                let pairs = places.iter_mut().zip(degree);
+                pairs.for_each(|(place, c)| *place += f64::from(row.weight) * f64::from(*c));
+            }
+        }
+    }
+
+    /// All of it, for [`Row`]s.
+    pub(super) fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// The rows, and how many, whose weighted sum is the lobes for a view and a roughness.
+    pub(super) fn rows(&self, cosine: f64, roughness: f64) -> ([Row; 16], usize) {
         let angle = libm::acos(cosine.clamp(0.0, 1.0)) / FRAC_PI_2 * STEPS as f64;
         let (step, along) = place(angle, STEPS);
-        let stride = 3 * self.order.count();
-        lobes.fill(0.0);
+        let along = cubic(along);
+        let stride = 3 * self.order.get() * lanes(self.order);
+        let (mut rows, mut count) = ([Row::default(); 16], 0);
         let mut add = |level: usize, scale: f64| {
-            let first = (level * (STEPS + 3) + step) * stride;
-            for (row, weight) in self.values[first..].chunks_exact(stride).zip(cubic(along)) {
-                let weight = scale * weight;
-                for (lobe, value) in lobes.iter_mut().zip(row) {
-                    *lobe += weight * value;
-                }
+            for (near, weight) in along.into_iter().enumerate() {
+                rows[count] = Row {
+                    first: (level * (STEPS + 3) + step + near) * stride,
+                    weight: (scale * weight) as f32,
+                };
+                count += 1;
             }
         };
         if !self.has_roughness() {
-            return add(0, 1.0);
+            add(0, 1.0);
+            return (rows, count);
         }
         let roughness = roughness.clamp(0.0, 1.0) * ROUGHNESS_STEPS as f64;
         let (level, between) = place(roughness, ROUGHNESS_STEPS);
@@ -151,6 +185,7 @@ impl DirectionalTable {
                 add(level + near - 1, weight);
             }
         }
+        (rows, count)
     }
 }
 

@@ -31,6 +31,7 @@ mod lobe;
 mod merl;
 mod phong;
 mod plane;
+mod radiance;
 mod reflection;
 mod reflector;
 mod table;
@@ -55,6 +56,7 @@ pub(crate) use merl::tests::measured;
 pub use merl::{Merl, MerlError};
 pub use phong::Phong;
 pub use plane::LobePlane;
+pub use radiance::Workspace;
 pub use reflection::Reflection;
 #[cfg(feature = "bake")]
 pub(crate) use reflector::seen_from_above;

@@ -24,9 +24,9 @@ pub struct Finish {
 /// Its BRDF is a sum of three gray ones times colours, and a [`DirectionalTable`] has these.
 #[derive(Clone, Debug)]
 pub struct Reflector {
-    table: DirectionalTable,
-    plane: LobePlane,
-    evaluator: Evaluator,
+    pub(super) table: DirectionalTable,
+    pub(super) plane: LobePlane,
+    pub(super) evaluator: Evaluator,
     kind: Kind,
 }
 

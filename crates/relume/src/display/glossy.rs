@@ -1,11 +1,11 @@
 //! What a camera sees of surfaces that are not diffuse.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use super::raycast::Radiance;
 use crate::asset::Transfer;
 use crate::bake::trace::Hit;
-use crate::brdf::{Anisotropic, Scratch, seen_from_above};
+use crate::brdf::{Anisotropic, Workspace, seen_from_above};
 use crate::light::IncidentLight;
 use crate::scene::World;
 use crate::shade::{Outgoing, TransferredRadiance};
@@ -57,13 +57,13 @@ impl Radiance for GlossyRadiance<'_> {
         let weights = hit.weights();
         let corners = world.triangles[hit.triangle as usize].map(|i| i as usize);
         let count = self.transferred.order.count();
-        let mut incident = vec![0.0; 3 * count];
+        let mut incident = vec![0.0_f32; 3 * count];
         for (corner, weight) in corners.into_iter().zip(weights) {
             let Some(side) = self.side(corner, hit.front) else {
                 return Vec3::ZERO;
             };
             for (sum, value) in incident.iter_mut().zip(side) {
-                *sum += f64::from(weight) * f64::from(*value);
+                *sum += weight * value;
             }
         }
         let side = if hit.front { 1.0 } else { -1.0 };
@@ -71,16 +71,10 @@ impl Radiance for GlossyRadiance<'_> {
         let normal = point.normal.as_dvec3() * side;
         let view = seen_from_above(normal, -direction.as_dvec3().normalize());
         let material = world.triangle_materials[hit.triangle as usize];
-        let mut scratch = Scratch::new(self.transferred.order);
-        let mut o = vec![0.0; 3 * count];
         let reflector = self.outgoing.reflector(material);
-        reflector.toward(&point.finish(), normal, view, &mut scratch, &mut o);
-        let channel = |c: usize| -> f64 {
-            let range = c * count..(c + 1) * count;
-            let pairs = o[range.clone()].iter().zip(&incident[range]);
-            pairs.map(|(o, a)| o * a).sum()
-        };
-        DVec3::new(channel(0), channel(1), channel(2)).as_vec3()
+        let mut work = Workspace::new(self.transferred.order);
+        let radiance = reflector.radiance(&point.finish(), normal, view, &incident, &mut work);
+        Vec3::from(radiance)
     }
 }
 
