@@ -31,12 +31,12 @@ pub enum GpuError {
     },
     /// The device's textures are too small for a single vertex, or for the lights.
     #[error(
-        "{what} needs a texture {texels} texels high; this device allows {limit}: use a lower order"
+        "{what} needs a texture of {texels} texels a side; this device allows {limit}: use a lower order"
     )]
     Texture {
         /// What does not fit.
         what: &'static str,
-        /// Its height.
+        /// Its longer side.
         texels: usize,
         /// What the device allows.
         limit: usize,

@@ -11,7 +11,17 @@ pub struct Page {
     pub unused: [u32; 2],
 }
 
-/// `DistantLight` of relight.wgsl: red, green and blue, each in quads.
+/// `MatrixPage` of matrices.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct MatrixPage {
+    pub first_row: u32,
+    pub across: u32,
+    pub width_log2: u32,
+    pub objects_log2: u32,
+}
+
+/// `DistantLight` of relight.wgsl and matrices.wgsl: red, green and blue, each in quads.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct DistantLight {

@@ -5,7 +5,7 @@ use std::mem::{offset_of, size_of};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use super::*;
-use crate::pipelines::{RELIGHT, VIEW};
+use crate::pipelines::{MATRICES, RELIGHT, VIEW};
 
 fn parsed(source: &str) -> naga::Module {
     naga::front::wgsl::parse_str(source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(source)))
@@ -13,7 +13,7 @@ fn parsed(source: &str) -> naga::Module {
 
 #[test]
 fn every_shader_is_valid_without_any_extension() {
-    for source in [RELIGHT, VIEW] {
+    for source in [RELIGHT, MATRICES, VIEW] {
         let validated =
             Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&parsed(source));
         if let Err(error) = validated {
@@ -62,6 +62,16 @@ fn structs_lie_as_the_shaders_read_them() {
         }
     );
     check!(RELIGHT, DistantLight { quads });
+    check!(MATRICES, DistantLight { quads });
+    check!(
+        MATRICES,
+        MatrixPage {
+            first_row,
+            across,
+            width_log2,
+            objects_log2
+        }
+    );
     check!(
         VIEW,
         View {

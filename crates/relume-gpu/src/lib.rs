@@ -40,12 +40,14 @@
 )]
 
 mod background;
+mod blocks;
 mod error;
 mod gpu;
 mod layouts;
 mod light;
 mod look;
 mod material;
+mod matrices;
 mod mesh;
 mod offscreen;
 mod order;

@@ -9,6 +9,7 @@ use wgpu::{
     TextureFormat, TextureSampleType, TextureViewDimension,
 };
 
+use crate::blocks::Size;
 use crate::gpu::Gpu;
 use crate::layouts::{DistantLight, Material, Page, Vertex, View, encoding};
 use crate::ring::Ring;
@@ -16,6 +17,8 @@ use crate::{DEPTH_FORMAT, Target};
 
 /// The relight pass.
 pub const RELIGHT: &str = include_str!("shaders/relight.wgsl");
+/// The relight pass of transfer matrices.
+pub const MATRICES: &str = include_str!("shaders/matrices.wgsl");
 /// The view pass.
 pub const VIEW: &str = include_str!("shaders/view.wgsl");
 
@@ -25,6 +28,9 @@ pub const RADIANCE_FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
 /// Relight pipelines, for each kind of light, and what is bound to them.
 pub struct Relight {
     shader: ShaderModule,
+    /// Of matrices, made when it is first asked for.
+    matrix_shader: Option<ShaderModule>,
+    /// Of vectors and of matrices alike.
     pub page: BindGroupLayout,
     /// For [`Lit::Distant`], [`Lit::Objects`] and [`Lit::Vertices`].
     lights: [BindGroupLayout; 3],
@@ -32,6 +38,7 @@ pub struct Relight {
     pub distant: Ring,
     /// Those that were asked for.
     pipelines: Vec<((Lit, Shape), RenderPipeline)>,
+    matrix_pipelines: Vec<((Lit, Size), RenderPipeline)>,
 }
 
 /// Kinds of light.
@@ -86,6 +93,7 @@ impl Relight {
         let distant = layout(device, "distant light", &[distant]);
         Self {
             shader: shader(device, "relight", RELIGHT),
+            matrix_shader: None,
             page: layout(device, "page", &page),
             distant: Ring::new(gpu, "distant light", &distant, size_of::<DistantLight>()),
             lights: [
@@ -94,6 +102,7 @@ impl Relight {
                 layout(device, "light by vertex", &[light]),
             ],
             pipelines: Vec::new(),
+            matrix_pipelines: Vec::new(),
         }
     }
 
@@ -111,11 +120,7 @@ impl Relight {
         let pipeline = Pipeline {
             shader: &self.shader,
             vertex: "cover",
-            fragment: match lit {
-                Lit::Distant => "relight_distant",
-                Lit::Objects => "relight_objects",
-                Lit::Vertices => "relight_vertices",
-            },
+            fragment: lit.entry_point(),
             groups: &[&self.page, self.light(lit)],
             target: RADIANCE_FORMAT.into(),
             mesh: None,
@@ -128,6 +133,45 @@ impl Relight {
         let pipeline = pipeline.create(device);
         self.pipelines.push(((lit, shape), pipeline.clone()));
         pipeline
+    }
+
+    /// The pipeline of matrices for a kind of light, made when it is first asked for.
+    pub fn matrices(&mut self, device: &Device, lit: Lit, size: Size) -> RenderPipeline {
+        let known = &self.matrix_pipelines;
+        if let Some((_, made)) = known.iter().find(|(key, _)| *key == (lit, size)) {
+            return made.clone();
+        }
+        let shader = self
+            .matrix_shader
+            .get_or_insert_with(|| shader(device, "relight matrices", MATRICES));
+        let pipeline = Pipeline {
+            shader,
+            vertex: "cover",
+            fragment: lit.entry_point(),
+            groups: &[&self.page, &self.lights[lit as usize]],
+            target: RADIANCE_FORMAT.into(),
+            mesh: None,
+            depth: None,
+            constants: &[
+                ("CHANNELS", size.channels as f64),
+                ("COLUMNS", size.columns as f64),
+                ("QUADS", size.quads as f64),
+            ],
+        };
+        let pipeline = pipeline.create(device);
+        self.matrix_pipelines.push(((lit, size), pipeline.clone()));
+        pipeline
+    }
+}
+
+impl Lit {
+    /// Of relight.wgsl and of matrices.wgsl.
+    fn entry_point(self) -> &'static str {
+        match self {
+            Self::Distant => "relight_distant",
+            Self::Objects => "relight_objects",
+            Self::Vertices => "relight_vertices",
+        }
     }
 }
 
