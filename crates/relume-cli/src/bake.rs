@@ -102,6 +102,7 @@ fn check_glossy(args: &BakeArgs) {
 fn loaded(args: &BakeArgs) -> Result<Scene, Failure> {
     let options = ImportOptions {
         albedo: args.albedo,
+        maps: args.transfer == TransferArg::Glossy,
     };
     let mut scene = scene::load(&args.scene, &options)?;
     if args.transfer == TransferArg::Glossy {
@@ -178,7 +179,8 @@ fn transfer_order(args: &BakeArgs, world: &World) -> Result<Option<Order>, Failu
     }
     let mut wanted = args.order;
     for material in &world.materials {
-        wanted = wanted.max(material.reflection.bandwidth(Order::new(HIGHEST_WANTED)?)?);
+        let reflection = material.typical_reflection(&world.textures);
+        wanted = wanted.max(reflection.bandwidth(Order::new(HIGHEST_WANTED)?)?);
     }
     let taken = wanted.min(args.order.max(Order::new(MOST_BY_DEFAULT)?));
     let cut = match taken < wanted {

@@ -26,6 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Path::new(scene),
         &ImportOptions {
             albedo: Some([0.8, 0.5, 0.3]),
+            ..ImportOptions::default()
         },
     )?;
     let world = World::new(&scene);

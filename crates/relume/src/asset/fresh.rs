@@ -91,6 +91,10 @@ pub fn add_attributes<'a>(
         let uvs = Part::Floats(bytemuck::cast_slice(&mesh.uvs));
         insert("TEXCOORD_0", builder.attribute(uvs, 2)?);
     }
+    if !mesh.tangents.is_empty() {
+        let tangents = Part::Floats(bytemuck::cast_slice(&mesh.tangents));
+        insert("TANGENT", builder.attribute(tangents, 4)?);
+    }
     if !mesh.alphas.is_empty() {
         insert("COLOR_0", builder.attribute(color_and_alpha(mesh), 4)?);
     } else if !mesh.colors.is_empty() {
@@ -117,9 +121,13 @@ fn check(mesh: &Mesh) -> Result<(), AssetError> {
         return wrong("has no vertices; leave it out");
     }
     let fits = |n: usize| n == 0 || n == count;
-    if mesh.normals.len() != count
-        || !(fits(mesh.uvs.len()) && fits(mesh.colors.len()) && fits(mesh.alphas.len()))
-    {
+    let optional = [
+        mesh.uvs.len(),
+        mesh.tangents.len(),
+        mesh.colors.len(),
+        mesh.alphas.len(),
+    ];
+    if mesh.normals.len() != count || !optional.into_iter().all(fits) {
         return wrong("has vertex arrays of different lengths");
     }
     let lengths = mesh.normals.iter().map(|n| n.length_squared());
@@ -183,15 +191,29 @@ fn material_json(material: &Material, textures: usize) -> Result<Value, AssetErr
     if let Reflection::MetallicRoughness { roughness, .. } = material.reflection {
         surface["roughnessFactor"] = roughness.into();
     }
-    match material.base_color_texture {
-        Some(texture) if texture < textures => {
-            surface["baseColorTexture"] = json!({ "index": texture });
+    let named_texture = |texture: usize| match texture < textures {
+        true => Ok(json!({ "index": texture })),
+        false => Err(unwritable("material", &material.name, "names no texture")),
+    };
+    let maps = [
+        ("baseColorTexture", material.base_color_texture),
+        (
+            "metallicRoughnessTexture",
+            material.metallic_roughness_texture,
+        ),
+    ];
+    for (key, texture) in maps {
+        if let Some(texture) = texture {
+            surface[key] = named_texture(texture)?;
         }
-        Some(_) => return Err(unwritable("material", &material.name, "names no texture")),
-        None => {}
     }
     let mut object = named(&material.name);
     object.insert("pbrMetallicRoughness".to_owned(), surface);
+    if let Some(map) = material.normal_texture {
+        let mut normal = named_texture(map.texture)?;
+        normal["scale"] = map.scale.into();
+        object.insert("normalTexture".to_owned(), normal);
+    }
     if let AlphaMode::Mask(cutoff) = material.alpha {
         object.insert("alphaMode".to_owned(), "MASK".into());
         object.insert("alphaCutoff".to_owned(), cutoff.into());

@@ -77,14 +77,20 @@ fn make(old: &[Mesh], recipe: &Recipe, instance: &Instance) -> Result<Mesh, Asse
         let equal = mesh.positions == other.positions
             && mesh.normals == other.normals
             && (mesh.uvs == other.uvs || mesh.uvs.is_empty() || other.uvs.is_empty())
+            && (mesh.tangents == other.tangents
+                || mesh.tangents.is_empty()
+                || other.tangents.is_empty())
             && mesh.colors == other.colors
             && mesh.alphas == other.alphas;
         if !equal {
             return Err(wrong(instance.node, "calls vertices the same that differ"));
         }
-        // Imported are only the coordinates of a base colour texture: not every material need have one.
+        // Imported are only the coordinates of textures that are read: not every material need have one.
         if mesh.uvs.is_empty() {
             mesh.uvs.clone_from(&other.uvs);
+        }
+        if mesh.tangents.is_empty() {
+            mesh.tangents.clone_from(&other.tangents);
         }
         mesh.groups.extend(other.groups.iter().cloned());
     }

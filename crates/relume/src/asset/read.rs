@@ -8,6 +8,7 @@ use super::header::{self, HeaderError, Meaning, Primitive};
 use super::{Asset, AssetError, beside, container, merge, strip, views};
 use super::{BackTransfer, Gather, Matrices, Transfer};
 use crate::files::{Rows, printable};
+use crate::scene::gltf::{self, Maps};
 use crate::scene::{Instance, Scene};
 use beside::Source;
 use views::{Bytes, Views};
@@ -47,7 +48,11 @@ fn from_bytes(bytes: &[u8], path: Option<&Path>) -> Result<Asset, AssetError> {
     if !nodes(&json).any(|node| extension(node).is_some()) {
         return Err(AssetError::NoTransfer);
     }
-    assemble(&json, bin, crate::scene::gltf::from_glb(bytes)?, path)
+    let glossy = nodes(&json)
+        .filter_map(extension)
+        .any(|header| !header["transferOrder"].is_null());
+    let maps = if glossy { Maps::All } else { Maps::Color };
+    assemble(&json, bin, gltf::with_maps(bytes, maps)?, path)
 }
 
 fn nodes(json: &Value) -> impl Iterator<Item = &Value> {

@@ -69,6 +69,7 @@ pub fn patch(name: &str, n: u32, color: bool) -> Mesh {
             .map(|i| Vec3::new(place(i).x, 0.3, 1.0).normalize())
             .collect(),
         uvs: all.clone().map(place).collect(),
+        tangents: Vec::new(),
         colors: if color {
             all.clone()
                 .map(|i| [0.5, place(i).x.min(1.0), 0.125])

@@ -150,7 +150,7 @@ fn keep_irradiance(fit: &mut [f64], gram: &[f64], size: usize) {
 }
 
 /// The inverse of a symmetric positive definite matrix, by Cholesky's factors.
-fn inverse(matrix: &[f64], n: usize) -> Vec<f64> {
+pub fn inverse(matrix: &[f64], n: usize) -> Vec<f64> {
     let mut factor = vec![0.0; n * n];
     for i in 0..n {
         for j in 0..=i {

@@ -49,6 +49,7 @@ mod zonal;
 pub use convention::{Convention, UnknownConvention};
 pub use euler::{Angle, Euler, EulerRotation};
 pub use hemisphere::Hemisphere;
+pub(crate) use hemisphere::inverse;
 pub use order::{Order, OrderError, index};
 pub use product::{Entry, Product};
 pub use project::{evaluate, evaluate_rgb, project, project_samples};

@@ -67,6 +67,31 @@ impl Ggx {
             .pdf_mixed(self.share(outgoing), incident, outgoing)
     }
 
+    /// What all such materials of a roughness are made of, whatever their colour: `[S w, S (1 − w), (1 − 0.04) (1 − w)/π]`.
+    pub(super) fn terms(roughness: f64, incident: DVec3, outgoing: DVec3) -> DVec3 {
+        let white = Self {
+            base_color: DVec3::ONE,
+            metallic: 1.0,
+            roughness,
+        };
+        // A white metal is its lobe alone.
+        let glossy = white.eval(incident, outgoing).x;
+        let half = (incident + outgoing).normalize();
+        let weight = schlick(outgoing.dot(half));
+        let below = (1.0 - F0) * (1.0 - weight) * FRAC_1_PI;
+        DVec3::new(glossy * weight, glossy * (1.0 - weight), below)
+    }
+
+    /// The colours of [`Ggx::terms`]: `f = Σ color · term`.
+    pub(super) fn colors(base_color: DVec3, metallic: f64) -> [DVec3; 3] {
+        let dielectric = DVec3::splat(F0);
+        [
+            DVec3::ONE,
+            dielectric + (base_color - dielectric) * metallic,
+            base_color * (1.0 - metallic),
+        ]
+    }
+
     fn lobe(&self) -> GgxLobe {
         GgxLobe {
             alpha: self.alpha(),

@@ -31,16 +31,33 @@ pub struct HemisphereRule {
 }
 
 impl HemisphereRule {
-    /// The rule for integrals over incident directions, seen from `outgoing` (above the horizon).
+    /// The rule for integrals over incident directions, seen from `outgoing` (above the horizon), whatever the highlight.
     pub fn about_mirror(outgoing: DVec3) -> Self {
+        Self::graded(outgoing, POLAR_LEVELS, AZIMUTH_LEVELS)
+    }
+
+    /// The same for a highlight at least so wide (radians), in fewer nodes.
+    pub fn about_lobe(outgoing: DVec3, width: f64) -> Self {
+        let levels = |all: f64, width: f64, most: u32| {
+            let levels = libm::log(all / width) / libm::log(1.0 / RATIO);
+            (levels.ceil().max(0.0) as u32 + 1).min(most)
+        };
+        let across = width * outgoing.z.max(1e-6);
+        Self::graded(
+            outgoing,
+            levels(FRAC_PI_2, width, POLAR_LEVELS),
+            levels(PI, across, AZIMUTH_LEVELS),
+        )
+    }
+
+    fn graded(outgoing: DVec3, polar: u32, azimuth: u32) -> Self {
         let theta = libm::acos(outgoing.z.clamp(0.0, 1.0));
         let phi = libm::atan2(-outgoing.y, -outgoing.x);
         let rule = gauss_legendre(NODES);
         let mut thetas = Vec::new();
         let middle = (theta + FRAC_PI_2) / 2.0;
-        let below =
-            graded(theta, middle, POLAR_LEVELS).chain(graded(FRAC_PI_2, middle, POLAR_LEVELS));
-        for panel in graded(theta, 0.0, POLAR_LEVELS).chain(below) {
+        let below = graded(theta, middle, polar).chain(graded(FRAC_PI_2, middle, polar));
+        for panel in graded(theta, 0.0, polar).chain(below) {
             push(&mut thetas, &rule, panel);
         }
         for (angle, weight) in &mut thetas {
@@ -48,7 +65,7 @@ impl HemisphereRule {
         }
         let mut phis = Vec::new();
         for end in [phi - PI, phi + PI] {
-            for panel in graded(phi, end, AZIMUTH_LEVELS) {
+            for panel in graded(phi, end, azimuth) {
                 push(&mut phis, &rule, panel);
             }
         }

@@ -30,7 +30,9 @@ mod lambert;
 mod lobe;
 mod merl;
 mod phong;
+mod plane;
 mod reflection;
+mod reflector;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -49,7 +51,11 @@ pub use integrate::HemisphereRule;
 pub use lambert::Lambert;
 pub use merl::{Merl, MerlError};
 pub use phong::Phong;
-pub use reflection::{Reflection, Reflector};
+pub use plane::LobePlane;
+pub use reflection::Reflection;
+#[cfg(feature = "bake")]
+pub(crate) use reflector::seen_from_above;
+pub use reflector::{Finish, Reflector, Scratch};
 pub use table::{MAX_RESOLUTION, Table};
 pub use ward::Ward;
 

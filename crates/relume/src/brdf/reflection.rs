@@ -1,13 +1,11 @@
-//! How a material reflects, and what that makes of incident radiance.
+//! How a material reflects.
 
-use std::collections::BTreeMap;
 use std::f64::consts::FRAC_1_PI;
-use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Anisotropic, Brdf, DirectionalTable, Ggx, HemisphereRule, Lambert};
-use crate::basis::{Angle, Euler, EulerRotation, Hemisphere, Order, sh::Evaluator};
+use super::{Anisotropic, Brdf, Ggx, HemisphereRule, Lambert};
+use crate::basis::{Hemisphere, Order, sh::Evaluator};
 
 /// How a material reflects, but for its base colour, which may vary from point to point.
 #[derive(Clone, Debug, Default)]
@@ -68,97 +66,6 @@ impl Reflection {
         }
         Ok(wanted)
     }
-
-    /// Equal keys reflect alike; those without one are not compared.
-    fn key(&self) -> Option<[u32; 3]> {
-        match self {
-            Self::Diffuse => Some([0; 3]),
-            Self::MetallicRoughness {
-                metallic,
-                roughness,
-            } => Some([1, metallic.to_bits(), roughness.to_bits()]),
-            Self::Fixed(_) => None,
-        }
-    }
-}
-
-/// What a material makes of incident radiance: `o(ω_o)` of black base colour, and what white one adds to it.
-#[derive(Clone, Debug)]
-pub struct Reflector {
-    black: Option<DirectionalTable>,
-    white: Option<DirectionalTable>,
-}
-
-impl Reflector {
-    /// Tabulates a reflection for incident radiance of `order`.
-    ///
-    /// # Errors
-    /// [`Anisotropic`] where the BRDF does not turn with the view.
-    pub fn new(reflection: &Reflection, order: Order) -> Result<Self, Anisotropic> {
-        let [black, white] = [DVec3::ZERO, DVec3::ONE].map(|color| reflection.brdf(color));
-        let gain = match reflection {
-            Reflection::Fixed(_) => None,
-            _ => Some(DirectionalTable::difference(&white, &black, order)?),
-        };
-        let black = DirectionalTable::new(&black, order)?;
-        Ok(Self {
-            black: (!black.is_black()).then_some(black),
-            white: gain,
-        })
-    }
-
-    /// One for each reflection; those that are alike share theirs.
-    ///
-    /// # Errors
-    /// [`Anisotropic`] as [`Reflector::new`].
-    pub fn all<'a>(
-        reflections: impl IntoIterator<Item = &'a Reflection>,
-        order: Order,
-    ) -> Result<Vec<Arc<Self>>, Anisotropic> {
-        let mut known: BTreeMap<[u32; 3], Arc<Self>> = BTreeMap::new();
-        let mut all = Vec::new();
-        for reflection in reflections {
-            let key = reflection.key();
-            let reflector = match key.and_then(|key| known.get(&key)) {
-                Some(reflector) => reflector.clone(),
-                None => Arc::new(Self::new(reflection, order)?),
-            };
-            if let Some(key) = key {
-                known.insert(key, reflector.clone());
-            }
-            all.push(reflector);
-        }
-        Ok(all)
-    }
-
-    /// Writes `o(ω_o)` (`[3][order²]`, in the space of `normal` and `view`): radiance toward the unit vector `view` is Σ o_i a_i by channel.
-    ///
-    /// Zero where the view is not above the surface. `scratch` holds `order²` numbers and is overwritten.
-    pub fn toward(
-        &self,
-        albedo: DVec3,
-        normal: DVec3,
-        view: DVec3,
-        rotation: &EulerRotation,
-        o: &mut [f64],
-        scratch: &mut [f64],
-    ) {
-        o.fill(0.0);
-        let cosine = normal.dot(view);
-        if cosine <= 0.0 {
-            return;
-        }
-        if let Some(black) = &self.black {
-            black.add(cosine, [1.0; 3], o);
-        }
-        if let Some(white) = &self.white {
-            white.add(cosine, albedo.to_array(), o);
-        }
-        let frame = frame(normal, view);
-        for channel in o.chunks_exact_mut(scratch.len()) {
-            rotation.apply(&frame, channel, scratch);
-        }
-    }
 }
 
 /// `1/π ∫ cosθ f² dω` over the hemisphere: of the best fit of each order from 1 to `most`, and of `f` itself.
@@ -197,57 +104,10 @@ fn energies(brdf: &Brdf, outgoing: DVec3, most: Order) -> (Vec<f64>, f64) {
     (within.collect(), all)
 }
 
-/// The rotation that takes z to the normal, and the half plane of x and z to that of the view.
-fn frame(normal: DVec3, view: DVec3) -> Euler {
-    let still = Euler::z_to(normal, Angle::ZERO);
-    let axes = still.matrix();
-    let (x, y) = (axes.x_axis.dot(view), axes.y_axis.dot(view));
-    let length = (x * x + y * y).sqrt();
-    let turn = if length > 0.0 {
-        Angle {
-            cos: x / length,
-            sin: y / length,
-        }
-    } else {
-        Angle::ZERO
-    };
-    Euler { c: turn, ..still }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::basis::{Quadrature, project};
     use crate::brdf::Phong;
-
-    #[test]
-    fn it_is_the_integral_in_any_frame() {
-        let order = Order::new(6).unwrap();
-        let brdf = Brdf::from(Phong {
-            diffuse: DVec3::new(0.3, 0.1, 0.0),
-            specular: DVec3::new(0.2, 0.4, 0.5),
-            exponent: 7.0,
-        });
-        let reflector = Reflector::new(&Reflection::Fixed(brdf.clone()), order).unwrap();
-        let rotation = EulerRotation::new(order);
-        let (mut o, mut scratch) = (vec![0.0; 108], vec![0.0; 36]);
-        let normal = DVec3::new(0.48, -0.6, 0.64);
-        let view = DVec3::new(0.1, -0.2, 0.9).normalize();
-        reflector.toward(DVec3::ZERO, normal, view, &rotation, &mut o, &mut scratch);
-        // A frame of its own, and the rule of the whole sphere.
-        let (x, y) = normal.any_orthonormal_pair();
-        let local = |d: DVec3| DVec3::new(x.dot(d), y.dot(d), normal.dot(d));
-        for channel in 0..3 {
-            let expected = project(order, &Quadrature::new(300), |d| {
-                brdf.eval(local(d), local(view))[channel] * local(d).z.max(0.0)
-            });
-            for (a, b) in o[36 * channel..].iter().zip(&expected) {
-                assert!((a - b).abs() < 2e-4, "{a} for {b}");
-            }
-        }
-        reflector.toward(DVec3::ONE, normal, -view, &rotation, &mut o, &mut scratch);
-        assert!(o.iter().all(|&o| o == 0.0));
-    }
 
     #[test]
     fn sharper_lobes_want_higher_orders() {
@@ -272,22 +132,5 @@ mod tests {
         println!("roughness 0.8: {}", flat(rough.clone()).unwrap());
         assert!(flat(rough).unwrap().get() < 8);
         assert!(orders.is_sorted_by(|a, b| a < b) && orders[3] == 16);
-    }
-
-    #[test]
-    fn those_alike_are_tabulated_once() {
-        let rough = |roughness| Reflection::MetallicRoughness {
-            metallic: 1.0,
-            roughness,
-        };
-        let given = [
-            Reflection::Diffuse,
-            rough(0.5),
-            Reflection::Diffuse,
-            rough(0.6),
-        ];
-        let all = Reflector::all(&given, Order::new(2).unwrap()).unwrap();
-        assert!(Arc::ptr_eq(&all[0], &all[2]) && !Arc::ptr_eq(&all[1], &all[3]));
-        assert!(all[0].black.is_none() && all[1].white.is_some());
     }
 }

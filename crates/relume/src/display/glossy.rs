@@ -5,20 +5,18 @@ use glam::{DVec3, Vec3};
 use super::raycast::Radiance;
 use crate::asset::Transfer;
 use crate::bake::trace::Hit;
-use crate::basis::EulerRotation;
-use crate::brdf::Anisotropic;
+use crate::brdf::{Anisotropic, Scratch, seen_from_above};
 use crate::light::IncidentLight;
 use crate::scene::World;
 use crate::shade::{Outgoing, TransferredRadiance};
 
-/// Transferred radiance interpolated from the vertices, reflected at the point seen: its own albedo (textures at pixel rate), normal and material
+/// Transferred radiance interpolated from the vertices, reflected at the point seen: its own colour, roughness, metalness and normal, maps and all
 /// [sloan2005, bi-scale transfer].
 pub struct GlossyRadiance<'a> {
     outgoing: &'a Outgoing,
     transferred: TransferredRadiance,
     /// By vertex: its back's place among the backs, plus one; 0 without.
     backs: Vec<u32>,
-    rotation: EulerRotation,
 }
 
 impl<'a> GlossyRadiance<'a> {
@@ -32,7 +30,6 @@ impl<'a> GlossyRadiance<'a> {
         }
         Some(Self {
             outgoing,
-            rotation: EulerRotation::new(transferred.order),
             transferred,
             backs,
         })
@@ -70,14 +67,14 @@ impl Radiance for GlossyRadiance<'_> {
             }
         }
         let side = if hit.front { 1.0 } else { -1.0 };
-        let normal = world.interpolate(hit.triangle, weights, |i| world.normals[i]) * side;
-        let normal = normal.as_dvec3().normalize_or(DVec3::Z);
-        let view = -direction.as_dvec3().normalize();
-        let albedo = world.surface(hit.triangle, weights).albedo.as_dvec3();
+        let point = world.shading_point(hit.triangle, weights);
+        let normal = point.normal.as_dvec3() * side;
+        let view = seen_from_above(normal, -direction.as_dvec3().normalize());
         let material = world.triangle_materials[hit.triangle as usize];
-        let (mut o, mut scratch) = (vec![0.0; 3 * count], vec![0.0; count]);
+        let mut scratch = Scratch::new(self.transferred.order);
+        let mut o = vec![0.0; 3 * count];
         let reflector = self.outgoing.reflector(material);
-        reflector.toward(albedo, normal, view, &self.rotation, &mut o, &mut scratch);
+        reflector.toward(&point.finish(), normal, view, &mut scratch, &mut o);
         let channel = |c: usize| -> f64 {
             let range = c * count..(c + 1) * count;
             let pairs = o[range.clone()].iter().zip(&incident[range]);

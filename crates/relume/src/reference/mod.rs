@@ -40,4 +40,4 @@ pub use estimate::{
 };
 pub use outgoing::{Seen, estimate_outgoing};
 pub use picture::{RenderOptions, render, render_surfaces};
-pub use surfaces::{Surfaces, diffuse_surfaces};
+pub use surfaces::{Surfaces, diffuse_surfaces, material_surfaces};

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::intersect::{Caster, Hit};
 use super::rng::Pcg32;
-use super::surfaces::{Frame, Surfaces, reflect};
+use super::surfaces::{Frame, Surfaces, reflect, seen_from_above};
 use crate::brdf::cosine_sample;
 
 /// A path that left the scene.
@@ -55,6 +55,17 @@ pub fn follow(
 }
 
 impl Reflection<'_> {
+    /// The unit normal that a surface reflects about: diffuse ones know no normal maps, as diffuse transfer does not.
+    pub fn normal(self, caster: &Caster<'_>, hit: &Hit) -> Option<DVec3> {
+        match self {
+            Reflection::Diffuse => caster.shading_normal(hit),
+            Reflection::Of(_) => {
+                let point = caster.world.shading_point(hit.triangle, hit.weights);
+                Some(point.normal.as_dvec3())
+            }
+        }
+    }
+
     /// The throughput and direction of a path after a hit; `None` where it ends.
     fn scatter(
         self,
@@ -64,7 +75,8 @@ impl Reflection<'_> {
         throughput: DVec3,
         rng: &mut Pcg32,
     ) -> Option<(DVec3, DVec3)> {
-        let normal = reflecting_side(caster, hit, direction)?;
+        let side = reflecting_side(caster, hit, direction)?;
+        let normal = self.normal(caster, hit)? * side;
         match self {
             // Directions are cosine-distributed, so each hit multiplies by its albedo alone.
             Reflection::Diffuse => {
@@ -79,22 +91,22 @@ impl Reflection<'_> {
                 let frame = Frame::about(normal);
                 let brdf = surfaces(hit.triangle, hit.weights);
                 let u = std::array::from_fn(|_| rng.next_unit());
-                let (weight, incident) = reflect(&brdf, frame.local_from_world(-direction), u)?;
+                let outgoing = seen_from_above(frame.local_from_world(-direction));
+                let (weight, incident) = reflect(&brdf, outgoing, u)?;
                 Some((throughput * weight, frame.world_from_local(incident)))
             }
         }
     }
 }
 
-/// Shading normal of the side that a ray of `direction` meets; `None` for the back of a single-sided surface.
-fn reflecting_side(caster: &Caster<'_>, hit: &Hit, direction: DVec3) -> Option<DVec3> {
-    let normal = caster.shading_normal(hit)?;
-    let from_front = normal.dot(direction) < 0.0;
-    if from_front {
-        Some(normal)
+/// 1 where a ray of `direction` meets the front, −1 the back; `None` for the back of a single-sided surface. The vertices' normals decide,
+/// whatever a normal map says.
+fn reflecting_side(caster: &Caster<'_>, hit: &Hit, direction: DVec3) -> Option<f64> {
+    if caster.shading_normal(hit)?.dot(direction) < 0.0 {
+        Some(1.0)
     } else {
         let both = caster.world.material(hit.triangle).double_sided;
-        both.then_some(-normal)
+        both.then_some(-1.0)
     }
 }
 

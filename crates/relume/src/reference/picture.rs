@@ -7,7 +7,7 @@ use super::estimate::Light;
 use super::intersect::{Caster, Hit};
 use super::path::{Reflection, cosine_direction, follow};
 use super::rng::{Pcg32, mix};
-use super::surfaces::{Frame, Surfaces, reflect};
+use super::surfaces::{Frame, Surfaces, reflect, seen_from_above};
 use crate::display::{Camera, CameraError, Picture, PixelRays};
 use crate::scene::World;
 
@@ -102,9 +102,6 @@ fn picture(
     })
 }
 
-/// Cosine from the tangent plane that a surface which a camera sees is at least seen from.
-const LEAST_COSINE: f64 = 1e-3;
-
 struct Lit<'a> {
     caster: &'a Caster<'a>,
     reflection: Reflection<'a>,
@@ -124,7 +121,8 @@ impl Lit<'_> {
         let [a, b, c] = world.corners(hit.triangle);
         let from_front = (b - a).cross(c - a).as_dvec3().dot(direction) < 0.0;
         let shown = from_front || world.material(hit.triangle).double_sided;
-        let Some(normal) = self.caster.shading_normal(&hit).filter(|_| shown) else {
+        let normal = self.reflection.normal(self.caster, &hit);
+        let Some(normal) = normal.filter(|_| shown) else {
             return DVec3::ZERO;
         };
         let normal = if from_front { normal } else { -normal };
@@ -166,11 +164,10 @@ impl Lit<'_> {
             }
             Reflection::Of(surfaces) => {
                 let frame = Frame::about(normal);
-                let mut outgoing = frame.local_from_world(-direction);
-                outgoing.z = outgoing.z.max(LEAST_COSINE);
+                let outgoing = seen_from_above(frame.local_from_world(-direction));
                 let brdf = surfaces(hit.triangle, hit.weights);
                 let u = [rng.next_unit(), at[0], at[1]];
-                let (weight, incident) = reflect(&brdf, outgoing.normalize(), u)?;
+                let (weight, incident) = reflect(&brdf, outgoing, u)?;
                 Some((weight, frame.world_from_local(incident)))
             }
         }

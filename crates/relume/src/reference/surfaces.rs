@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::brdf::{Brdf, Lambert};
+use crate::brdf::{Brdf, Lambert, Reflection};
 use crate::scene::World;
 
 /// The BRDF at a point of a triangle of the world (its index, and barycentric weights of its corners).
@@ -10,6 +10,21 @@ use crate::scene::World;
 /// The tangent frame it is used in has the shading normal as z; its x is some tangent that depends on the normal alone. An anisotropic
 /// BRDF therefore keeps its direction over a plane, and over a curved surface turns in no way that anyone chose.
 pub type Surfaces<'a> = dyn Fn(u32, [f32; 3]) -> Brdf + Sync + 'a;
+
+/// The surfaces as the materials of a world have them, maps and all.
+pub fn material_surfaces(world: &World) -> impl Fn(u32, [f32; 3]) -> Brdf + Sync {
+    |triangle, weights| {
+        let point = world.shading_point(triangle, weights);
+        let reflection = match &world.material(triangle).reflection {
+            Reflection::MetallicRoughness { .. } => &Reflection::MetallicRoughness {
+                metallic: point.metallic,
+                roughness: point.roughness,
+            },
+            other => other,
+        };
+        reflection.brdf(point.albedo.as_dvec3())
+    }
+}
 
 /// The surfaces as the bake has them: diffuse, of the albedo at the point.
 pub fn diffuse_surfaces(world: &World) -> impl Fn(u32, [f32; 3]) -> Brdf + Sync {
@@ -48,6 +63,18 @@ impl Frame {
     pub fn world_from_local(&self, d: DVec3) -> DVec3 {
         self.tangent * d.x + self.bitangent * d.y + self.normal * d.z
     }
+}
+
+/// Cosine from the tangent plane that what is met is at least seen from.
+const LEAST_COSINE: f64 = 1e-3;
+
+/// A direction of view in the tangent frame; of a normal that turns away from it, as at silhouettes or by its map, from just above the plane.
+pub fn seen_from_above(mut outgoing: DVec3) -> DVec3 {
+    if outgoing.z >= LEAST_COSINE {
+        return outgoing;
+    }
+    outgoing.z = LEAST_COSINE;
+    outgoing.normalize()
 }
 
 /// A sampled incident direction in the tangent frame and what it multiplies radiance by: value × cosine over density.

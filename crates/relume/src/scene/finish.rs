@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::error::{MAX_COORDINATE, check_totals};
-use super::{AlphaMode, Mesh, Scene, SceneError, normals};
+use super::{AlphaMode, Mesh, Scene, SceneError, normals, tangents};
 use crate::brdf::Reflection;
 use crate::files::printable;
 
@@ -57,6 +57,13 @@ impl Repairs {
                 let clamped = channel.clamp(0.0, 1.0);
                 self.clamped |= clamped != *channel;
                 *channel = clamped;
+            }
+        }
+        let mapped = |material: &usize| scene.materials[*material].normal_texture.is_some();
+        for mesh in &mut scene.meshes {
+            let wanted = mesh.groups.iter().map(|group| &group.material).any(mapped);
+            if wanted && mesh.tangents.is_empty() && !mesh.uvs.is_empty() {
+                mesh.tangents = tangents::tangents(mesh);
             }
         }
         check_totals(scene.vertex_count() as u64, scene.triangle_count() as u64)?;
@@ -180,15 +187,22 @@ pub fn override_albedo(scene: &mut Scene, albedo: [f32; 3]) -> Result<(), SceneE
     if albedo.iter().any(|a| !(0.0..=1.0).contains(a)) {
         return Err(SceneError::Albedo(albedo));
     }
+    let mut masks = std::collections::BTreeMap::new();
     for material in &mut scene.materials {
         material.base_color[..3].copy_from_slice(&albedo);
         if material.alpha == AlphaMode::Opaque {
             material.base_color_texture = None;
         }
-    }
-    for texture in &mut scene.textures {
-        for texel in &mut texture.texels {
-            texel[..3].fill(255);
+        // Of masks alpha alone is left, in a copy: others may see the image for what it is.
+        if let Some(texture) = &mut material.base_color_texture {
+            let textures = &mut scene.textures;
+            *texture = *masks.entry(*texture).or_insert_with(|| {
+                let mut mask = textures[*texture].clone();
+                let texels = mask.texels.iter_mut();
+                texels.for_each(|texel| texel[..3].fill(255));
+                textures.push(mask);
+                textures.len() - 1
+            });
         }
     }
     for mesh in &mut scene.meshes {
@@ -202,6 +216,7 @@ pub fn override_albedo(scene: &mut Scene, albedo: [f32; 3]) -> Result<(), SceneE
 pub fn override_reflection(scene: &mut Scene, reflection: Reflection) {
     for material in &mut scene.materials {
         material.reflection = reflection.clone();
+        material.metallic_roughness_texture = None;
     }
     scene.reflection_override = Some(reflection);
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use super::gltf::Maps;
 use super::resolve::{Folder, Syntax};
 use super::{Scene, SceneError, finish, gltf, obj, ply};
 use crate::files::printable;
@@ -12,6 +13,8 @@ use crate::files::printable;
 pub struct ImportOptions {
     /// Linear albedo in 0…1 that replaces every base colour: factors, textures and vertex colours (`--albedo`).
     pub albedo: Option<[f32; 3]>,
+    /// Whether to read maps of metalness, roughness and normals, and tangents, which glossy transfer takes and diffuse transfer does not.
+    pub maps: bool,
 }
 
 /// A format scenes come in.
@@ -69,9 +72,10 @@ fn assemble(
 ) -> Result<Scene, SceneError> {
     check_content(format, bytes)?;
     let mut fetch = |uri: &str| folder.read(uri, Syntax::Uri);
+    let maps = if options.maps { Maps::All } else { Maps::Color };
     let mut scene = match format {
-        SceneFormat::Gltf => gltf::read_gltf(bytes, &mut fetch)?,
-        SceneFormat::Glb => gltf::read_glb(bytes, &mut fetch)?,
+        SceneFormat::Gltf => gltf::read_gltf(bytes, &mut fetch, maps)?,
+        SceneFormat::Glb => gltf::read_glb(bytes, &mut fetch, maps)?,
         SceneFormat::Obj => obj::read(bytes, &mut folder)?,
         SceneFormat::Ply => ply::read(bytes)?,
     };

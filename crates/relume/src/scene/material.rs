@@ -1,6 +1,6 @@
 //! What a surface looks like: albedo, reflection, alpha and sidedness.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 use crate::brdf::Reflection;
 
@@ -17,12 +17,25 @@ pub struct Material {
     pub alpha: AlphaMode,
     /// Whether the back side reflects as the front does. Otherwise the back blocks and reflects nothing.
     pub double_sided: bool,
-    /// Whether the file gives a normal map (kept in the document, not used yet).
+    /// Whether the file gives a normal map, be it read or not.
     pub has_normal_map: bool,
+    /// Read for glossy transfer.
+    pub normal_texture: Option<NormalTexture>,
     /// glTF metallic factor times nothing else: to tell people that diffuse transfer ignores it.
     pub metallic: f32,
+    /// Index of a texture whose green multiplies roughness and whose blue metalness, both linear. Read for glossy transfer.
+    pub metallic_roughness_texture: Option<usize>,
     /// How it reflects, which only transfer matrices know of.
     pub reflection: Reflection,
+}
+
+/// A normal map in tangent space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalTexture {
+    /// Index into [`super::Scene::textures`]: linear, 0…1 stands for −1…1; x along u, y up in the image, z out of the surface.
+    pub texture: usize,
+    /// Multiplies x and y.
+    pub scale: f32,
 }
 
 /// How alpha decides what a ray sees.
@@ -41,7 +54,7 @@ pub struct Texture {
     pub width: u32,
     /// Height in texels, at least 1.
     pub height: u32,
-    /// Rows from the top: sRGB-encoded colour and linear alpha.
+    /// Rows from the top: sRGB-encoded colour and linear alpha, or linear data, as the material that names it says.
     pub texels: Vec<[u8; 4]>,
     /// What happens between texels and past the edges.
     pub sampler: Sampler,
@@ -89,8 +102,40 @@ impl Material {
             alpha: AlphaMode::Opaque,
             double_sided: false,
             has_normal_map: false,
+            normal_texture: None,
             metallic: 0.0,
+            metallic_roughness_texture: None,
             reflection: Reflection::Diffuse,
+        }
+    }
+}
+
+impl Material {
+    /// The reflection at its mean roughness and metalness, where these have a map.
+    pub fn typical_reflection(&self, textures: &[Texture]) -> Reflection {
+        let map = self.metallic_roughness_texture.map(|i| &textures[i]);
+        match (&self.reflection, map) {
+            (
+                Reflection::MetallicRoughness {
+                    metallic,
+                    roughness,
+                },
+                Some(map),
+            ) => {
+                let mean = |channel: usize| {
+                    let sum: u64 = map
+                        .texels
+                        .iter()
+                        .map(|texel| u64::from(texel[channel]))
+                        .sum();
+                    (sum as f64 / (255 * map.texels.len().max(1)) as f64) as f32
+                };
+                Reflection::MetallicRoughness {
+                    metallic: metallic * mean(2),
+                    roughness: roughness * mean(1),
+                }
+            }
+            (reflection, _) => reflection.clone(),
         }
     }
 }
@@ -109,8 +154,21 @@ impl Wrap {
 }
 
 impl Texture {
-    /// Linear colour and alpha at `uv` (glTF: (0, 0) is the top left corner of the image).
+    /// Linear colour and alpha of an sRGB image at `uv` (glTF: (0, 0) is the top left corner of the image).
     pub fn sample(&self, uv: Vec2) -> (Vec3, f32) {
+        let texel = self.filtered(uv, |[r, g, b, a]| {
+            let [r, g, b] = [r, g, b].map(srgb_to_linear);
+            Vec4::new(r, g, b, f32::from(a) / 255.0)
+        });
+        (texel.truncate(), texel.w)
+    }
+
+    /// The image at `uv` as it is, 0…1: of data, not of colours.
+    pub fn sample_data(&self, uv: Vec2) -> Vec4 {
+        self.filtered(uv, |texel| Vec4::from(texel.map(f32::from)) / 255.0)
+    }
+
+    fn filtered(&self, uv: Vec2, decode: impl Fn([u8; 4]) -> Vec4) -> Vec4 {
         let (w, h) = (i64::from(self.width), i64::from(self.height));
         // Past ±2²⁴ texels a coordinate has no fraction left; NaN becomes 0.
         let place = |t: f32, n: i64| {
@@ -123,35 +181,28 @@ impl Texture {
         };
         let (x, y) = (place(uv.x, w), place(uv.y, h));
         if self.sampler.nearest {
-            return self.texel(x.floor() as i64, y.floor() as i64);
+            return decode(self.texel(x.floor() as i64, y.floor() as i64));
         }
         let (x, y) = (x - 0.5, y - 0.5);
         let (x0, y0) = (x.floor(), y.floor());
         let (fx, fy) = (x - x0, y - y0);
-        let mut color = Vec3::ZERO;
-        let mut alpha = 0.0;
+        let mut sum = Vec4::ZERO;
         for (dx, dy, weight) in [
             (0, 0, (1.0 - fx) * (1.0 - fy)),
             (1, 0, fx * (1.0 - fy)),
             (0, 1, (1.0 - fx) * fy),
             (1, 1, fx * fy),
         ] {
-            let (c, a) = self.texel(x0 as i64 + dx, y0 as i64 + dy);
-            color += weight * c;
-            alpha += weight * a;
+            sum += weight * decode(self.texel(x0 as i64 + dx, y0 as i64 + dy));
         }
-        (color, alpha)
+        sum
     }
 
-    fn texel(&self, x: i64, y: i64) -> (Vec3, f32) {
+    fn texel(&self, x: i64, y: i64) -> [u8; 4] {
         let (w, h) = (i64::from(self.width), i64::from(self.height));
         let x = self.sampler.wrap_u.apply(x, w);
         let y = self.sampler.wrap_v.apply(y, h);
-        let [r, g, b, a] = self.texels[(y * w + x) as usize];
-        (
-            Vec3::new(srgb_to_linear(r), srgb_to_linear(g), srgb_to_linear(b)),
-            f32::from(a) / 255.0,
-        )
+        self.texels[(y * w + x) as usize]
     }
 }
 

@@ -1,6 +1,6 @@
 //! Vertex arrays, triangle groups and instances.
 
-use glam::{DAffine3, Vec2, Vec3};
+use glam::{DAffine3, Vec2, Vec3, Vec4};
 
 /// Vertices with their triangles, in object space.
 #[derive(Clone, Debug, Default)]
@@ -11,9 +11,11 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// One per vertex, unit length. Importers fill in angle-weighted ones where the file has none.
     pub normals: Vec<Vec3>,
-    /// The coordinates the base colour texture is looked up at (its texture transform applied): one per vertex or empty.
+    /// The coordinates the material's textures are looked up at (their texture transform applied): one per vertex or empty.
     /// `v` runs down, as in glTF.
     pub uvs: Vec<Vec2>,
+    /// Tangents along u and the sign of the bitangent `w n × t`, for the normal map: one per vertex, or empty where there is none.
+    pub tangents: Vec<Vec4>,
     /// Linear vertex colours (alpha dropped): one per vertex or empty.
     pub colors: Vec<[f32; 3]>,
     /// Vertex alpha: one per vertex or empty.

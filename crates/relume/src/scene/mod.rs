@@ -19,6 +19,7 @@ mod obj;
 mod ply;
 #[cfg(feature = "import")]
 mod resolve;
+mod tangents;
 mod tessellate;
 #[cfg(test)]
 #[cfg(feature = "import")]
@@ -30,11 +31,11 @@ pub use error::SceneError;
 pub use finish::{override_albedo, override_reflection};
 #[cfg(feature = "import")]
 pub use load::{ImportOptions, SceneFormat, from_bytes, load};
-pub use material::{AlphaMode, Material, Sampler, Texture, Wrap, srgb_to_linear};
+pub use material::{AlphaMode, Material, NormalTexture, Sampler, Texture, Wrap, srgb_to_linear};
 pub use mesh::{Group, Instance, Mesh};
 pub use tessellate::{TOO_COARSE, auto_max_edge, coarseness, tessellate};
 pub use triangles::{Albedo, Triangles};
-pub use world::{Surface, World};
+pub use world::{ShadingPoint, Surface, World};
 
 /// A scene as a file says it.
 #[derive(Clone, Debug, Default)]
@@ -43,7 +44,7 @@ pub struct Scene {
     pub meshes: Vec<Mesh>,
     /// Materials; every [`Group`] names one.
     pub materials: Vec<Material>,
-    /// Decoded base colour textures; materials name them.
+    /// Decoded textures; materials name them.
     pub textures: Vec<Texture>,
     /// Where meshes stand, in the order of §4 of the design: depth first over nodes, then primitives.
     pub instances: Vec<Instance>,

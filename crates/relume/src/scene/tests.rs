@@ -203,6 +203,7 @@ fn the_cornell_box_has_its_colours_and_flat_walls() {
     }
     let options = ImportOptions {
         albedo: Some([0.1, 0.2, 0.3]),
+        ..ImportOptions::default()
     };
     let gray = load(&path, &options).unwrap();
     assert!(

@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
-use glam::{DMat3, DVec3, Vec2, Vec3};
+use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
 
 use super::{AlphaMode, Material, Scene, Texture};
+use crate::brdf::{Finish, Reflection};
 
 /// All instances as one vertex list and one triangle list, in the space of the scene's root.
 ///
@@ -17,6 +18,9 @@ pub struct World {
     pub normals: Vec<Vec3>,
     /// One per vertex; zero where the mesh has none.
     pub uvs: Vec<Vec2>,
+    /// Tangents along u, not of unit length where they were interpolated, and the sign of the bitangent: one per vertex, zero where a mesh has
+    /// none; empty where none has.
+    pub tangents: Vec<Vec4>,
     /// Linear vertex colour; white where the mesh has none.
     pub colors: Vec<Vec3>,
     /// Vertex alpha; 1 where the mesh has none.
@@ -44,6 +48,30 @@ pub struct Surface {
     pub alpha: f32,
 }
 
+/// What a surface is at a point, maps and all: how it reflects beside its [`Material::reflection`], and where it faces.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadingPoint {
+    /// Linear base colour.
+    pub albedo: Vec3,
+    /// 0…1.
+    pub metallic: f32,
+    /// 0…1.
+    pub roughness: f32,
+    /// Unit; of the front.
+    pub normal: Vec3,
+}
+
+impl ShadingPoint {
+    /// What of it a [`crate::brdf::Reflector`] takes.
+    pub fn finish(&self) -> Finish {
+        Finish {
+            base_color: self.albedo.as_dvec3(),
+            metallic: self.metallic.into(),
+            roughness: self.roughness.into(),
+        }
+    }
+}
+
 impl World {
     /// Flattens `scene`. Normals go by the inverse transpose.
     pub fn new(scene: &Scene) -> Self {
@@ -54,6 +82,9 @@ impl World {
         };
         for instance in &scene.instances {
             world.add(scene, instance);
+        }
+        if !world.tangents.is_empty() {
+            world.tangents.resize(world.positions.len(), Vec4::ZERO);
         }
         world
     }
@@ -74,6 +105,15 @@ impl World {
             turned.try_normalize().unwrap_or(DVec3::Y).as_vec3()
         }));
         let count = mesh.positions.len();
+        if !mesh.tangents.is_empty() {
+            self.tangents.resize(first, Vec4::ZERO);
+            let sign = if mirrors { -1.0 } else { 1.0 };
+            self.tangents.extend(mesh.tangents.iter().map(|tangent| {
+                let along = to_world.matrix3 * tangent.truncate().as_dvec3();
+                let along = along.normalize_or_zero().as_vec3();
+                along.extend(sign * tangent.w)
+            }));
+        }
         self.uvs
             .extend((0..count).map(|i| mesh.uvs.get(i).copied().unwrap_or_default()));
         self.colors
@@ -121,6 +161,57 @@ impl World {
         self.surface_of(self.material(triangle), color, alpha, uv)
     }
 
+    /// Everything about a point of a triangle that shading takes, maps included.
+    pub fn shading_point(&self, triangle: u32, weights: [f32; 3]) -> ShadingPoint {
+        let material = self.material(triangle);
+        let color = self.interpolate(triangle, weights, |i| self.colors[i]);
+        let uv = self.interpolate(triangle, weights, |i| self.uvs[i]);
+        let (metallic, roughness) = self.metallic_roughness(material, uv);
+        ShadingPoint {
+            albedo: self.surface_of(material, color, 1.0, uv).albedo,
+            metallic,
+            roughness,
+            normal: self.mapped_normal(triangle, weights, uv),
+        }
+    }
+
+    /// Metalness and roughness at a place in a material's maps; of what has none, those that stand for it.
+    fn metallic_roughness(&self, material: &Material, uv: Vec2) -> (f32, f32) {
+        let (metallic, roughness) = match material.reflection {
+            Reflection::MetallicRoughness {
+                metallic,
+                roughness,
+            } => (metallic, roughness),
+            _ => (0.0, 1.0),
+        };
+        match material.metallic_roughness_texture {
+            Some(texture) => {
+                let texel = self.textures[texture].sample_data(uv);
+                (metallic * texel.z, roughness * texel.y)
+            }
+            None => (metallic, roughness),
+        }
+    }
+
+    /// The unit normal of a triangle's front, by its normal map where it has one and tangents [mikkelsen2008].
+    fn mapped_normal(&self, triangle: u32, weights: [f32; 3], uv: Vec2) -> Vec3 {
+        let smooth = self.interpolate(triangle, weights, |i| self.normals[i]);
+        let plain = || smooth.normalize_or(Vec3::Z);
+        let Some(map) = self.material(triangle).normal_texture else {
+            return plain();
+        };
+        if self.tangents.is_empty() {
+            return plain();
+        }
+        let tangent = self.interpolate(triangle, weights, |i| self.tangents[i]);
+        let first = self.triangles[triangle as usize][0] as usize;
+        let bitangent = smooth.cross(tangent.truncate()) * self.tangents[first].w;
+        let local = self.textures[map.texture].sample_data(uv).truncate() * 2.0 - 1.0;
+        let (x, y) = (local.x * map.scale, local.y * map.scale);
+        let mapped = tangent.truncate() * x + bitangent * y + smooth * local.z;
+        mapped.try_normalize().unwrap_or_else(plain)
+    }
+
     /// Whether there is a surface at this point of a triangle, or the hole of an alpha mask.
     pub fn is_solid(&self, triangle: u32, weights: [f32; 3]) -> bool {
         match self.material(triangle).alpha {
@@ -158,6 +249,24 @@ impl World {
             .into_iter()
             .map(Option::unwrap_or_default)
             .collect()
+    }
+
+    /// What [`Reflector`](crate::brdf::Reflector)s take of every vertex, as for [`World::vertex_albedos`] (maps taken at the vertex's UV).
+    pub fn vertex_finishes(&self) -> Vec<Finish> {
+        let albedos = self.vertex_albedos();
+        let materials = self.vertex_materials();
+        let each = albedos.iter().zip(&materials).zip(&self.uvs);
+        each.map(|((albedo, material), &uv)| {
+            let material = self.materials.get(*material as usize);
+            let (metallic, roughness) =
+                material.map_or((0.0, 1.0), |m| self.metallic_roughness(m, uv));
+            Finish {
+                base_color: albedo.as_dvec3(),
+                metallic: metallic.into(),
+                roughness: roughness.into(),
+            }
+        })
+        .collect()
     }
 
     /// Smallest and largest corner of everything triangles use; `None` when there are none.

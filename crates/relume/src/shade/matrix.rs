@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::asset::{BackTransfer, Matrices, Transfer};
-use crate::basis::{EulerRotation, Order};
-use crate::brdf::{Anisotropic, Reflector};
+use crate::basis::Order;
+use crate::brdf::{Anisotropic, Finish, Reflector, Scratch};
 use crate::light::{IncidentLight, ObjectLight};
 use crate::scene::World;
 
@@ -154,7 +154,7 @@ pub struct Outgoing {
     reflectors: Vec<Arc<Reflector>>,
     /// By vertex: of the first triangle that uses it.
     materials: Vec<u32>,
-    albedos: Vec<glam::Vec3>,
+    finishes: Vec<Finish>,
     normals: Vec<glam::Vec3>,
     positions: Vec<glam::Vec3>,
 }
@@ -165,12 +165,15 @@ impl Outgoing {
     /// # Errors
     /// [`Anisotropic`] where a material's BRDF does not turn with the view.
     pub fn new(world: &World, order: Order) -> Result<Self, Anisotropic> {
-        let reflections = world.materials.iter().map(|material| &material.reflection);
+        let reflections = world
+            .materials
+            .iter()
+            .map(|m| (&m.reflection, m.metallic_roughness_texture.is_some()));
         Ok(Self {
             order,
             reflectors: Reflector::all(reflections, order)?,
             materials: world.vertex_materials(),
-            albedos: world.vertex_albedos(),
+            finishes: world.vertex_finishes(),
             normals: world.normals.clone(),
             positions: world.positions.clone(),
         })
@@ -241,16 +244,9 @@ impl Outgoing {
         radiance: &[f32],
         work: &mut Work,
     ) -> [f32; 3] {
-        let albedo = self.albedos[vertex].as_dvec3();
+        let finish = &self.finishes[vertex];
         let reflector = &self.reflectors[self.materials[vertex] as usize];
-        reflector.toward(
-            albedo,
-            normal,
-            view,
-            &work.rotation,
-            &mut work.o,
-            &mut work.scratch,
-        );
+        reflector.toward(finish, normal, view, &mut work.scratch, &mut work.o);
         let count = self.order.count();
         std::array::from_fn(|channel| {
             let o = &work.o[channel * count..][..count];
@@ -262,17 +258,15 @@ impl Outgoing {
 
 /// What a thread writes on.
 struct Work {
-    rotation: EulerRotation,
     o: Vec<f64>,
-    scratch: Vec<f64>,
+    scratch: Scratch,
 }
 
 impl Work {
     fn new(order: Order) -> Self {
         Self {
-            rotation: EulerRotation::new(order),
             o: vec![0.0; 3 * order.count()],
-            scratch: vec![0.0; order.count()],
+            scratch: Scratch::new(order),
         }
     }
 }

@@ -126,6 +126,7 @@ fn of_world(world: &World) -> [u8; 32] {
         positions,
         normals,
         uvs,
+        tangents,
         colors,
         alphas,
         triangles,
@@ -139,6 +140,7 @@ fn of_world(world: &World) -> [u8; 32] {
     hash.floats(bytemuck::cast_slice(positions));
     hash.floats(bytemuck::cast_slice(normals));
     hash.floats(bytemuck::cast_slice(uvs));
+    hash.floats(bytemuck::cast_slice(tangents));
     hash.floats(bytemuck::cast_slice(colors));
     hash.floats(alphas);
     hash.words(triangles.as_flattened());
@@ -199,11 +201,22 @@ impl Hash {
             alpha,
             double_sided,
             has_normal_map: _,
+            normal_texture,
             metallic: _,
+            metallic_roughness_texture,
             reflection,
         } = material;
         self.floats(base_color);
-        self.number(base_color_texture.map_or(0, |texture| texture + 1));
+        for texture in [base_color_texture, metallic_roughness_texture] {
+            self.number(texture.map_or(0, |texture| texture + 1));
+        }
+        match normal_texture {
+            None => self.floats(&[]),
+            Some(map) => {
+                self.number(map.texture);
+                self.floats(&[map.scale]);
+            }
+        }
         match alpha {
             AlphaMode::Opaque => self.floats(&[]),
             AlphaMode::Mask(cutoff) => self.floats(&[*cutoff]),

@@ -25,6 +25,7 @@ fn world() -> World {
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
         normals: vec![Vec3::Z; 3],
         uvs: vec![Vec2::ZERO; 3],
+        tangents: Vec::new(),
         colors: vec![Vec3::ONE; 3],
         alphas: vec![1.0; 3],
         triangles: vec![[0, 1, 2]],

@@ -1,6 +1,6 @@
 //! One more interreflection at one receiver.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use super::Plan;
 use super::kernel::{Collect, Emit, Touch};
@@ -8,6 +8,7 @@ use crate::bake::directions::{Net, Values, stride};
 use crate::bake::gather::{Found, Stage, Turn, facing_receivers};
 use crate::bake::trace::{Hit, Rays};
 use crate::basis::{Euler, EulerRotation};
+use crate::brdf::{Scratch, seen_from_above};
 
 /// Numbers between one row of light coefficients and the next: whole vectors of any instruction set.
 const WIDEST: usize = 16;
@@ -38,6 +39,7 @@ pub struct Bounce<'a> {
     column: Vec<f64>,
     fitted: Vec<f64>,
     scratch: Vec<f64>,
+    reflecting: Scratch,
 }
 
 impl<'a> Bounce<'a> {
@@ -63,6 +65,7 @@ impl<'a> Bounce<'a> {
             column: vec![0.0; count],
             fitted: vec![0.0; count],
             scratch: vec![0.0; count],
+            reflecting: Scratch::new(plan.transfer),
         }
     }
 
@@ -141,25 +144,22 @@ impl<'a> Bounce<'a> {
     /// Appends o of the surface hit, toward `view`.
     fn outgoing(&mut self, hit: &Hit, view: Vec3) {
         let world = self.stage.world;
-        let weights = hit.weights();
-        let normal = world.interpolate(hit.triangle, weights, |i| world.normals[i]);
-        let normal = normal.as_dvec3().normalize_or(DVec3::Z);
+        let point = world.shading_point(hit.triangle, hit.weights());
         let view = view.as_dvec3().normalize();
-        // The side that the ray met.
-        let normal = if normal.dot(view) < 0.0 {
-            -normal
+        // The side that the ray met, whatever a normal map says.
+        let smooth = world.interpolate(hit.triangle, hit.weights(), |i| world.normals[i]);
+        let normal = if smooth.as_dvec3().dot(view) < 0.0 {
+            -point.normal.as_dvec3()
         } else {
-            normal
+            point.normal.as_dvec3()
         };
-        let albedo = world.surface(hit.triangle, weights).albedo.as_dvec3();
         let material = world.triangle_materials[hit.triangle as usize];
         self.plan.reflectors[material as usize].toward(
-            albedo,
+            &point.finish(),
             normal,
-            view,
-            &self.rotation,
+            seen_from_above(normal, view),
+            &mut self.reflecting,
             &mut self.o_exact,
-            &mut self.scratch,
         );
         self.o.extend(self.o_exact.iter().map(|&o| o as f32));
     }

@@ -49,7 +49,9 @@ pub fn visibility_order(light: Order, transfer: Order) -> Option<Order> {
 
 impl Plan {
     pub fn new(stage: &Stage, light: Order, transfer: Order) -> Result<Self, BakeError> {
-        let reflections = stage.world.materials.iter().map(|m| &m.reflection);
+        let materials = stage.world.materials.iter();
+        let reflections =
+            materials.map(|m| (&m.reflection, m.metallic_roughness_texture.is_some()));
         Ok(Self {
             light,
             transfer,

@@ -114,6 +114,7 @@ impl Part {
             positions: points.iter().map(|p| p.position.as_vec3()).collect(),
             normals: points.iter().map(|p| p.normal.as_vec3()).collect(),
             uvs: points.iter().filter(|_| textured).map(uv).collect(),
+            tangents: Vec::new(),
             colors: color.map_or_else(Vec::new, |color| {
                 points.iter().map(|p| color(p.position)).collect()
             }),

@@ -88,7 +88,7 @@ pub(super) struct Image {
 pub(super) struct MaterialJson {
     pub(super) name: Option<String>,
     pub(super) pbr_metallic_roughness: Option<Pbr>,
-    pub(super) normal_texture: Option<serde::de::IgnoredAny>,
+    pub(super) normal_texture: Option<NormalTextureInfo>,
     pub(super) alpha_mode: Option<String>,
     pub(super) alpha_cutoff: Option<f32>,
     pub(super) double_sided: bool,
@@ -124,6 +124,7 @@ pub(super) struct Pbr {
     pub(super) base_color_texture: Option<TextureInfo>,
     pub(super) metallic_factor: f32,
     pub(super) roughness_factor: f32,
+    pub(super) metallic_roughness_texture: Option<TextureInfo>,
 }
 
 impl Default for Pbr {
@@ -133,6 +134,7 @@ impl Default for Pbr {
             base_color_texture: None,
             metallic_factor: 1.0,
             roughness_factor: 1.0,
+            metallic_roughness_texture: None,
         }
     }
 }
@@ -163,13 +165,25 @@ pub(super) struct TextureInfo {
     pub(super) extensions: TextureInfoExtensions,
 }
 
+#[derive(Debug, Deserialize)]
+pub(super) struct NormalTextureInfo {
+    #[serde(flatten)]
+    pub(super) info: TextureInfo,
+    #[serde(default = "one")]
+    pub(super) scale: f32,
+}
+
+fn one() -> f32 {
+    1.0
+}
+
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct TextureInfoExtensions {
     #[serde(rename = "KHR_texture_transform")]
     pub(super) transform: Option<TextureTransform>,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 #[serde(rename_all = "camelCase", default)]
 pub(super) struct TextureTransform {
     pub(super) offset: [f64; 2],

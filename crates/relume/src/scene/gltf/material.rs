@@ -4,22 +4,31 @@ use std::collections::BTreeMap;
 
 use glam::Vec2;
 
-use super::super::{AlphaMode, Material, Sampler, Scene, SceneError, Wrap, decode};
+use super::super::{AlphaMode, Material, NormalTexture, Sampler, Scene, SceneError, Wrap, decode};
 use super::accessor::Data;
 use super::json::{MaterialJson, TextureInfo, TextureTransform, get};
 use crate::brdf::Reflection;
 use crate::files::printable;
 
-/// The materials of a document, and where each looks up its base colour texture.
+/// The materials of a document, and where each looks up its textures.
 pub(super) struct Materials {
-    /// By glTF index: UV set and transform, for materials with a base colour texture.
+    /// By glTF index: UV set and transform, for materials with a texture that is read.
     lookups: Vec<Option<Lookup>>,
     /// Index in the scene of the material for primitives without one, once there is such a primitive.
     default: Option<usize>,
 }
 
-/// Where a base colour texture is looked up.
-#[derive(Clone, Copy)]
+/// Which textures are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Maps {
+    /// Base colours, which is all that diffuse transfer takes.
+    Color,
+    /// Those of metalness, roughness and normals as well.
+    All,
+}
+
+/// Where the textures of a material are looked up.
+#[derive(Clone, Copy, PartialEq)]
 pub(super) struct Lookup {
     pub(super) set: usize,
     transform: Option<TextureTransform>,
@@ -46,21 +55,41 @@ impl Lookup {
 }
 
 impl Materials {
-    /// Reads all materials into the scene, and the textures of their base colours.
-    pub(super) fn read(data: &Data<'_>, scene: &mut Scene) -> Result<Self, SceneError> {
+    /// Reads all materials into the scene, and such of their textures as `maps` says.
+    pub(super) fn read(data: &Data<'_>, scene: &mut Scene, maps: Maps) -> Result<Self, SceneError> {
         let mut textures = Textures::default();
         let mut lookups = Vec::new();
         let mut blended = 0;
         for (index, json) in data.root.materials.iter().enumerate() {
             let place = format!("materials[{index}]");
             let (mut material, info) = plain(json, index, &place, &mut blended)?;
-            let texture = match info {
-                None => None,
-                Some(info) => textures.get(data, scene, info, &place)?,
+            let mut known = None;
+            let mut of = |info: Option<&TextureInfo>| {
+                info.map_or(Ok(None), |info| {
+                    textures.at(data, scene, info, &mut known, &place)
+                })
             };
-            material.base_color_texture = texture;
-            lookups.push(info.filter(|_| texture.is_some()).map(lookup));
+            material.base_color_texture = of(info)?;
+            if maps == Maps::All {
+                if matches!(material.reflection, Reflection::MetallicRoughness { .. }) {
+                    let pbr = json.pbr_metallic_roughness.as_ref();
+                    let info = pbr.and_then(|pbr| pbr.metallic_roughness_texture.as_ref());
+                    material.metallic_roughness_texture = of(info)?;
+                }
+                if let Some(normal) = &json.normal_texture {
+                    let scale = normal.scale;
+                    material.normal_texture =
+                        of(Some(&normal.info))?.map(|texture| NormalTexture { texture, scale });
+                }
+            }
+            lookups.push(known);
             scene.materials.push(material);
+        }
+        if textures.elsewhere > 0 {
+            scene.warnings.push(format!(
+                "{} textures were left out: they are looked up elsewhere than the others of their material",
+                textures.elsewhere
+            ));
         }
         if blended > 0 {
             scene.warnings.push(format!(
@@ -69,7 +98,7 @@ impl Materials {
         }
         if textures.dropped > 0 {
             scene.warnings.push(format!(
-                "{} base colour textures were left out; their factors alone are used",
+                "{} textures were left out; their factors alone are used",
                 textures.dropped
             ));
         }
@@ -79,7 +108,7 @@ impl Materials {
         })
     }
 
-    /// The scene's index of a primitive's material, and where it looks up its texture.
+    /// The scene's index of a primitive's material, and where it looks up its textures.
     pub(super) fn of_primitive(
         &mut self,
         material: Option<usize>,
@@ -154,7 +183,9 @@ fn plain<'a>(
         alpha,
         double_sided: json.double_sided,
         has_normal_map: json.normal_texture.is_some(),
+        normal_texture: None,
         metallic,
+        metallic_roughness_texture: None,
         reflection: match &json.extensions.specular {
             // Of a dielectric without highlight, Lambert is left.
             Some(specular) if specular.specular_factor == 0.0 && metallic == 0.0 => {
@@ -180,10 +211,32 @@ fn reflection(metallic: f32, roughness: f32) -> Reflection {
 struct Textures {
     known: BTreeMap<(usize, [bool; 1], [u8; 2]), Option<usize>>,
     dropped: usize,
+    elsewhere: usize,
     allowance: decode::Allowance,
 }
 
 impl Textures {
+    /// A texture of a material whose others are looked up at `known`: one set of coordinates serves them all.
+    fn at(
+        &mut self,
+        data: &Data<'_>,
+        scene: &mut Scene,
+        info: &TextureInfo,
+        known: &mut Option<Lookup>,
+        place: &str,
+    ) -> Result<Option<usize>, SceneError> {
+        let lookup = lookup(info);
+        if known.is_some_and(|known| known != lookup) {
+            self.elsewhere += 1;
+            return Ok(None);
+        }
+        let texture = self.get(data, scene, info, place)?;
+        if texture.is_some() {
+            *known = Some(lookup);
+        }
+        Ok(texture)
+    }
+
     fn get(
         &mut self,
         data: &Data<'_>,

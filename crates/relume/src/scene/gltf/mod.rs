@@ -21,6 +21,7 @@ use super::{Instance, Scene, SceneError};
 use crate::files::printable;
 use accessor::Data;
 use json::{Primitive, Root, get};
+pub(crate) use material::Maps;
 use material::Materials;
 use nodes::Placed;
 
@@ -48,22 +49,31 @@ const UNDERSTOOD: [&str; 10] = [
 ///
 /// Whatever in the file does not hold together, names something outside the file, or requires an extension that is not read.
 pub fn from_glb(bytes: &[u8]) -> Result<Scene, SceneError> {
+    with_maps(bytes, Maps::Color)
+}
+
+/// [`from_glb`] with the textures that `maps` says.
+pub(crate) fn with_maps(bytes: &[u8], maps: Maps) -> Result<Scene, SceneError> {
     let mut fetch = |uri: &str| {
         Err(SceneError::Reference {
             reference: printable(&uri.chars().take(200).collect::<String>()),
             why: "lies outside the .glb that was given as bytes alone",
         })
     };
-    let mut scene = read_glb(bytes, &mut fetch)?;
+    let mut scene = read_glb(bytes, &mut fetch, maps)?;
     let digest = Sha256::digest(bytes);
     scene.source_hash = digest.iter().map(|byte| format!("{byte:02x}")).collect();
     Ok(scene)
 }
 
 /// Reads a `.glb`; `fetch` reads the files it refers to.
-pub(super) fn read_glb(bytes: &[u8], fetch: merge::Fetch<'_>) -> Result<Scene, SceneError> {
+pub(super) fn read_glb(
+    bytes: &[u8],
+    fetch: merge::Fetch<'_>,
+    maps: Maps,
+) -> Result<Scene, SceneError> {
     let glb = container::split(bytes)?;
-    let mut scene = read(glb.json, glb.bin, fetch)?;
+    let mut scene = read(glb.json, glb.bin, fetch, maps)?;
     if glb.ignored_chunks > 0 {
         scene.warnings.push(format!(
             "{} chunks of unknown type were left out",
@@ -75,14 +85,19 @@ pub(super) fn read_glb(bytes: &[u8], fetch: merge::Fetch<'_>) -> Result<Scene, S
 
 /// Reads a `.gltf`; `fetch` reads the files it refers to.
 #[cfg(feature = "import")]
-pub(super) fn read_gltf(text: &[u8], fetch: merge::Fetch<'_>) -> Result<Scene, SceneError> {
-    read(container::parse(text)?, None, fetch)
+pub(super) fn read_gltf(
+    text: &[u8],
+    fetch: merge::Fetch<'_>,
+    maps: Maps,
+) -> Result<Scene, SceneError> {
+    read(container::parse(text)?, None, fetch, maps)
 }
 
 fn read(
     mut json: Value,
     bin: Option<Vec<u8>>,
     fetch: merge::Fetch<'_>,
+    maps: Maps,
 ) -> Result<Scene, SceneError> {
     // Before anything is fetched: a document that needs what is not read is not worth it.
     check_extensions(&json)?;
@@ -96,7 +111,7 @@ fn read(
         root: &root,
         bin: &document.bin,
     };
-    build(&data, &mut scene)?;
+    build(&data, &mut scene, maps)?;
     scene.document = Some(document);
     Ok(scene)
 }
@@ -166,7 +181,7 @@ fn primitives<'a>(
     Ok(mesh.primitives.iter().enumerate().filter(with_triangles))
 }
 
-fn build(data: &Data<'_>, scene: &mut Scene) -> Result<(), SceneError> {
+fn build(data: &Data<'_>, scene: &mut Scene, maps: Maps) -> Result<(), SceneError> {
     let (placed, flat) = nodes::walk(data.root)?;
     if flat > 0 {
         scene.warnings.push(format!(
@@ -174,7 +189,7 @@ fn build(data: &Data<'_>, scene: &mut Scene) -> Result<(), SceneError> {
         ));
     }
     count(data, &placed, scene)?;
-    let mut materials = Materials::read(data, scene)?;
+    let mut materials = Materials::read(data, scene, maps)?;
     let mut repairs = Repairs::default();
     let mut known = BTreeMap::new();
     for node in &placed {

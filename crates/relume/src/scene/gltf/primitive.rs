@@ -1,6 +1,6 @@
 //! One primitive of a glTF mesh as a mesh of its own.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::super::{Group, Mesh, Scene, SceneError};
 use super::accessor::Data;
@@ -42,6 +42,10 @@ pub(super) fn read(
     }
     if let Some(lookup) = lookup {
         read_uvs(data, primitive, &lookup, &mut mesh, scene, place)?;
+    }
+    let mapped = scene.materials[material].normal_texture.is_some();
+    if let Some(index) = attribute("TANGENT").filter(|_| mapped && !mesh.uvs.is_empty()) {
+        mesh.tangents = read_tangents(data, index, count, place)?;
     }
     if let Some(index) = attribute("COLOR_0") {
         read_colors(data, index, &mut mesh, place)?;
@@ -86,7 +90,7 @@ fn read_uvs(
     let key = format!("TEXCOORD_{}", lookup.set);
     let Some(&index) = primitive.attributes.get(&key) else {
         scene.warnings.push(format!(
-            "{place} has no {key}, at which its base colour texture is looked up; the texture's corner is used"
+            "{place} has no {key}, at which its textures are looked up; their corner is used"
         ));
         return Ok(());
     };
@@ -94,6 +98,24 @@ fn read_uvs(
     same_count(uvs.len(), mesh.positions.len(), &key, place)?;
     mesh.uvs = uvs.into_iter().map(|uv| lookup.apply(uv)).collect();
     Ok(())
+}
+
+/// Tangents that are usable; none where any is not, so that they are worked out.
+fn read_tangents(
+    data: &Data<'_>,
+    index: usize,
+    count: usize,
+    place: &str,
+) -> Result<Vec<Vec4>, SceneError> {
+    let tangents = data.floats::<4>(index, true, place)?;
+    same_count(tangents.len(), count, "TANGENT", place)?;
+    let tangents: Vec<Vec4> = tangents.into_iter().map(Vec4::from).collect();
+    let usable = |t: &Vec4| t.is_finite() && t.truncate() != Vec3::ZERO && t.w.abs() == 1.0;
+    Ok(if tangents.iter().all(usable) {
+        tangents
+    } else {
+        Vec::new()
+    })
 }
 
 fn read_colors(

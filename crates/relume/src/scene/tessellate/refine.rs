@@ -128,6 +128,12 @@ impl Refined {
         if !mesh.uvs.is_empty() {
             mesh.uvs.push((mesh.uvs[a] + mesh.uvs[b]) / 2.0);
         }
+        if !mesh.tangents.is_empty() {
+            let (a, b) = (mesh.tangents[a], mesh.tangents[b]);
+            let middle = middle_normal(a.truncate(), b.truncate());
+            // Where the image is mirrored at the edge, either hand is right.
+            mesh.tangents.push(middle.extend(a.w));
+        }
         if !mesh.colors.is_empty() {
             let (a, b) = (mesh.colors[a], mesh.colors[b]);
             mesh.colors
