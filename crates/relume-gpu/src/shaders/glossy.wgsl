@@ -6,8 +6,6 @@
 override REFLECTION: u32;
 override FINISH_MAP: bool;
 override NORMAL_MAP: bool;
-// Textures are not used, but for the holes of a mask.
-override BARE: bool;
 
 // What gray reflections there are, and what colours them: one, in the base colour; those of a glTF material; red, green and blue.
 const DIFFUSE = 0u;
@@ -165,12 +163,12 @@ fn four(corners: vec3u, weights: vec3f, quad: u32) -> mat3x4f {
 fn reflected(corners: vec3u, weights: vec3f, normal: vec3f, toward: vec3f, roughness: f32) -> mat3x3f {
     let height = dot(normal, toward);
     let aside = toward - height * normal;
-    let length = length(aside);
+    let far = length(aside);
     // Along the normal any plane will do.
     let axis = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(normal.x) > 0.7);
-    let tangent = select(normalize(cross(normal, axis)), aside / max(length, 1e-20), length > 1e-6);
+    let tangent = select(normalize(cross(normal, axis)), aside / max(far, 1e-20), far > 1e-6);
     let size = vec2f(textureDimensions(lobes));
-    let at = vec2f(atan2(length, height) * 0.63661977, clamp(roughness, 0.0, 1.0));
+    let at = vec2f(atan2(far, height) * 0.63661977, clamp(roughness, 0.0, 1.0));
     let place = (at * (size - 1.0) + 0.5) / size;
 
     var x: array<vec4f, LOBE_QUADS>;
@@ -191,11 +189,11 @@ fn reflected(corners: vec3u, weights: vec3f, normal: vec3f, toward: vec3f, rough
     // What the next four coefficients are multiplied with, for each gray reflection; how many coefficients and steps are behind.
     var factors = mat3x4f();
     var read = 0u;
-    var step = 0u;
+    var taken = 0u;
     for (var mu = 0u; mu < ORDER; mu++) {
         for (var l = mu; l < ORDER; l++) {
-            let ab = expansion.steps[step];
-            step++;
+            let ab = expansion.steps[taken];
+            taken++;
             var cosines = vec3f();
             var sines = vec3f();
             for (var q = 0u; q < LOBE_QUADS; q++) {
