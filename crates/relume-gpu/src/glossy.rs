@@ -133,12 +133,7 @@ impl GlossyPass {
 }
 
 /// A scene's corners, three for each triangle of `mesh` in its order; `backs` are the vertices that have a back side.
-pub fn corners(
-    gpu: &Gpu,
-    world: &World,
-    mesh: &Mesh,
-    backs: &[u32],
-) -> Result<Buffer, GpuError> {
+pub fn corners(gpu: &Gpu, world: &World, mesh: &Mesh, backs: &[u32]) -> Result<Buffer, GpuError> {
     let mut back_of = vec![NO_SIDE; world.positions.len()];
     for (side, &vertex) in (world.positions.len() as u32..).zip(backs) {
         back_of[vertex as usize] = side;
@@ -162,5 +157,10 @@ pub fn corners(
         .flat_map(|triangle| triangle.map(|vertex| corner(triangle, vertex)))
         .collect();
     let bytes = bytemuck::cast_slice(&vertices);
-    buffer(&gpu.device, "corners of triangles", bytes, BufferUsages::VERTEX)
+    buffer(
+        &gpu.device,
+        "corners of triangles",
+        bytes,
+        BufferUsages::VERTEX,
+    )
 }

@@ -11,12 +11,21 @@ use crate::gpu::Gpu;
 /// Steps between the normal and the horizon. Between them samplers draw straight lines.
 const STEPS: usize = 256;
 
-/// The lobes of the reflections that were asked for, those of glTF materials for every roughness.
+/// The lobes of the reflections that were asked for.
 pub struct Lobes {
     pub layout: BindGroupLayout,
     sampler: Sampler,
-    /// Those that every scene has alike: diffuse or not.
-    known: Vec<((Order, bool), BindGroup)>,
+    known: Vec<((Order, Gray), BindGroup)>,
+}
+
+/// Reflections that can be told apart without their colours.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Gray {
+    Diffuse,
+    /// A glTF material of this roughness, by its bits.
+    Rough(u32),
+    /// Of any.
+    AnyRough,
 }
 
 impl Lobes {
@@ -35,21 +44,26 @@ impl Lobes {
         }
     }
 
-    /// The lobes of a reflection for transferred radiance of `order`.
+    /// The lobes of a reflection for transferred radiance of `order`; where `varies`, for every roughness of a glTF material, which takes 17 times
+    /// as long.
     ///
     /// # Errors
     /// More layers than the device allows, or a BRDF that does not turn with the view.
     pub fn of(
         &mut self,
         gpu: &Gpu,
-        reflection: &Reflection,
+        (reflection, varies): (&Reflection, bool),
         order: Order,
     ) -> Result<BindGroup, GpuError> {
-        let key = match reflection {
-            Reflection::Diffuse => Some((order, true)),
-            Reflection::MetallicRoughness { .. } => Some((order, false)),
+        let gray = match reflection {
+            Reflection::Diffuse => Some(Gray::Diffuse),
+            Reflection::MetallicRoughness { .. } if varies => Some(Gray::AnyRough),
+            Reflection::MetallicRoughness { roughness, .. } => {
+                Some(Gray::Rough(roughness.to_bits()))
+            }
             Reflection::Fixed(_) => None,
         };
+        let key = gray.map(|gray| (order, gray));
         if let Some((_, made)) = self.known.iter().find(|(known, _)| Some(*known) == key) {
             return Ok(made.clone());
         }
@@ -61,7 +75,7 @@ impl Lobes {
                 limit,
             });
         }
-        let reflector = Reflector::new(reflection, true, order)?;
+        let reflector = Reflector::new(reflection, varies, order)?;
         let group = self.upload(gpu, &reflector);
         self.known.extend(key.map(|key| (key, group.clone())));
         Ok(group)

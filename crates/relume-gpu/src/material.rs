@@ -67,6 +67,8 @@ pub struct GlossyMaterial {
     pub lobes: BindGroup,
     order: Order,
     kind: GlossyKind,
+    /// The lobes it was uploaded with, and the only roughness they are of, if there is one.
+    baked: (BindGroup, Option<f32>),
 }
 
 /// What has the pipelines of materials.
@@ -99,15 +101,15 @@ pub fn upload(
         let glossy = order.map(|order| {
             let kind = glossy_kind(world, material, kind);
             let layout = &passes.glossy.material;
+            let reflection = (&material.reflection, kind.finish_map);
+            let rough = kind.reflection == reflection::METALLIC_ROUGHNESS;
+            let only = (rough && !kind.finish_map).then_some(factors.roughness);
+            let lobes = passes.glossy.lobes.of(gpu, reflection, order)?;
             Ok::<_, GpuError>(GlossyMaterial {
                 bind_group: images.glossy_group(gpu, layout, &uniform, material),
-                lobes: passes
-                    .glossy
-                    .lobes
-                    .of(gpu, &material.reflection, order)?,
-                pipeline: passes
-                    .glossy
-                    .surface(&gpu.device, passes.view, order, kind),
+                baked: (lobes.clone(), only),
+                lobes,
+                pipeline: passes.glossy.surface(&gpu.device, passes.view, order, kind),
                 order,
                 kind,
             })
@@ -154,8 +156,25 @@ fn glossy_kind(world: &World, material: &Material, kind: Kind) -> GlossyKind {
 }
 
 impl GpuMaterial {
-    /// Changes the factors, and the pipelines where maps come or go.
-    pub fn edit(&mut self, gpu: &Gpu, passes: &mut Passes, edit: &MaterialEdit) {
+    /// Changes the factors, the lobes with the first change of roughness, and the pipelines where maps come or go.
+    pub fn edit(
+        &mut self,
+        gpu: &Gpu,
+        passes: &mut Passes,
+        edit: &MaterialEdit,
+    ) -> Result<(), GpuError> {
+        if let Some(glossy) = &mut self.glossy {
+            glossy.lobes = match &glossy.baked {
+                (_, Some(only)) if *only != edit.roughness => {
+                    let any = Reflection::MetallicRoughness {
+                        metallic: 1.0,
+                        roughness: 1.0,
+                    };
+                    passes.glossy.lobes.of(gpu, (&any, true), glossy.order)?
+                }
+                (baked, _) => baked.clone(),
+            };
+        }
         let [r, g, b] = edit.base_color;
         self.factors.base_color = [r, g, b, self.factors.base_color[3]];
         self.factors.metallic = edit.metallic;
@@ -178,5 +197,6 @@ impl GpuMaterial {
             let (view, order) = (&*passes.view, glossy.order);
             glossy.pipeline = passes.glossy.surface(&gpu.device, view, order, kind);
         }
+        Ok(())
     }
 }

@@ -161,7 +161,9 @@ fn transferred_radiance_is_that_of_the_cpu() {
 #[test]
 fn pages_and_halves_are_those_of_the_cpu() {
     on_each_back_end("pages_and_halves_are_those_of_the_cpu", |gpu| {
-        let transfer = transfer(4000, 1, 5, 9).to_precision(Precision::F16).unwrap();
+        let transfer = transfer(4000, 1, 5, 9)
+            .to_precision(Precision::F16)
+            .unwrap();
         check(gpu, &transfer, &IncidentLight::Distant(light(5, 1)));
         let blocks = GpuTransfer::new(gpu, &Relight::new(gpu), &transfer).unwrap();
         assert!(blocks.matrices.unwrap().parts.len() > 1);

@@ -11,7 +11,9 @@ use crate::Target;
 use crate::blocks::Size;
 use crate::gpu::Gpu;
 use crate::layouts::{DistantLight, Material, Page, Vertex, View, encoding};
-use crate::pipeline::{Depth, EXACT, FILTERED, Pipeline, layout, sampler, shader, texture, uniform};
+use crate::pipeline::{
+    Depth, EXACT, FILTERED, Pipeline, layout, sampler, shader, texture, uniform,
+};
 use crate::ring::Ring;
 
 /// The relight pass.

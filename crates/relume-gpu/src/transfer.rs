@@ -108,7 +108,10 @@ impl GpuTransfer {
         // Timed as one.
         let (mut begin, mut end) = (timestamps.clone(), timestamps);
         if let (Some(begin), Some(end)) = (&mut begin, &mut end) {
-            (begin.end_of_pass_write_index, end.beginning_of_pass_write_index) = (None, None);
+            (
+                begin.end_of_pass_write_index,
+                end.beginning_of_pass_write_index,
+            ) = (None, None);
         }
         self.relight_vectors(encoder, layouts, light, begin);
         matrices.relight(encoder, layouts, light, end);

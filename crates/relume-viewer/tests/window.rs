@@ -82,6 +82,7 @@ fn baked(transfer_order: Option<usize>) -> Asset {
     let mut scene = bundled::plane_under_sphere(0.5, 0.7, 2.0, 48, 0.6);
     if transfer_order.is_some() {
         for material in &mut scene.materials {
+            material.metallic = 1.0;
             material.reflection = Reflection::MetallicRoughness {
                 metallic: 1.0,
                 roughness: 0.4,
@@ -143,7 +144,9 @@ fn a_window_shows_the_asset_as_the_cpu_sees_it() {
 
 fn shows(display: &Display, test: &str, asset: &Asset) {
     let folder = tempfile::tempdir().unwrap();
-    asset::write(asset, &folder.path().join("ball.glb")).unwrap();
+    let file = folder.path().join("ball.glb");
+    asset::write(asset, &file).unwrap();
+    let asset = &asset::read(&file).unwrap();
     let line =
         "ball.glb --light sky:30,3 --exposure -1 --no-panels --size 480x270 --screenshot look.png";
     let output = display.view(folder.path(), line);

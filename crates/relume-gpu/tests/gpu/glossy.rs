@@ -26,11 +26,13 @@ on_each_back_end! {
 
 const LIGHT: usize = 4;
 
-/// The device's lobes are halves of 11 bits (5·10⁻⁴), on straight lines between 33 roughnesses, where the CPU's table has a curve between 17, itself 2·10⁻³
-/// off at most; samplers find their place on those lines, and in maps, to 1/256 of a step. Radiance here reaches 5, where normals are mapped
-/// changes by some 3 for each unit that a normal turns, and a map's texel of 1/256 turns it by up to that much.
-const RELATIVE: f32 = 3e-3;
-const ABSOLUTE: f32 = 4e-3;
+/// How far a picture may be off, relative and beside that.
+type Error = (f32, f32);
+/// The device's lobes are halves, of 11 bits (5·10⁻⁴), sampled on straight lines at places of 1/256 of a step; twice that.
+const HALVES: Error = (1e-3, 1e-3);
+/// Where roughness varies the device has straight lines between 33 of them, and the CPU curves between 17, themselves 2·10⁻³ off at most. Samplers find
+/// their place in maps to 1/256 of a texel, where radiance that reaches 5 changes by up to 1.
+const VARYING: Error = (3e-3, 4e-3);
 
 fn gltf(metallic: f32, roughness: f32) -> Reflection {
     Reflection::MetallicRoughness {
@@ -69,9 +71,17 @@ fn expected(world: &World, transfer: &Transfer, from: &Camera, off: f32) -> Expe
     Expected::new(world, &radiance, &|_| [0.0; 3], from, SIZE, off)
 }
 
-fn check(gpu: &Gpu, name: &str, world: &World, transfer: &Transfer, from: &Camera, off: f32) {
-    let drawn = gpu.draw(&mut lit(gpu, world, transfer), from, &Look::default(), SIZE);
-    expected(world, transfer, from, off).check(name, &drawn, RELATIVE, ABSOLUTE);
+fn check(
+    gpu: &Gpu,
+    name: &str,
+    (world, transfer): (&World, &Transfer),
+    from: &Camera,
+    off: f32,
+    (relative, absolute): Error,
+) {
+    let mut renderer = lit(gpu, world, transfer);
+    let drawn = gpu.draw(&mut renderer, from, &Look::default(), SIZE);
+    expected(world, transfer, from, off).check(name, &drawn, relative, absolute);
 }
 
 fn reflections_of_every_order_are_those_of_the_cpu(gpu: &Gpu) {
@@ -79,7 +89,8 @@ fn reflections_of_every_order_are_those_of_the_cpu(gpu: &Gpu) {
     for (order, channels) in [(1, 1), (2, 3), (3, 1), (5, 3), (10, 1)] {
         let transfer = matrices(&world, (LIGHT, order), channels);
         let name = format!("glossy, order {order}");
-        check(gpu, &name, &world, &transfer, &camera(&world), EDGE);
+        let (scene, from) = ((&world, &transfer), camera(&world));
+        check(gpu, &name, scene, &from, EDGE, HALVES);
     }
 }
 
@@ -94,7 +105,8 @@ fn brdfs_of_their_own_are_those_of_the_cpu(gpu: &Gpu) {
     world.materials[1].reflection = Reflection::Diffuse;
     let halves = matrices(&world, (LIGHT, 6), 3);
     let halves = halves.to_precision(Precision::F16).unwrap();
-    check(gpu, "Phong", &world, &halves, &camera(&world), EDGE);
+    let from = camera(&world);
+    check(gpu, "Phong", (&world, &halves), &from, EDGE, HALVES);
 }
 
 /// Few texels, so that each is wider than many pixels (samplers would take smaller copies, which the CPU does without).
@@ -140,7 +152,8 @@ const TEXEL: f32 = 0.25;
 fn roughness_metalness_and_normals_are_mapped(gpu: &Gpu) {
     let world = mapped();
     let transfer = matrices(&world, (LIGHT, 5), 3);
-    check(gpu, "maps", &world, &transfer, &camera(&world), TEXEL);
+    let from = camera(&world);
+    check(gpu, "maps", (&world, &transfer), &from, TEXEL, VARYING);
 }
 
 fn backs_reflect_and_masks_have_holes(gpu: &Gpu) {
@@ -156,8 +169,9 @@ fn backs_reflect_and_masks_have_holes(gpu: &Gpu) {
         eye: above.eye * Vec3::new(1.0, -1.0, 1.0),
         ..above
     };
-    check(gpu, "mask from above", &world, &transfer, &above, TEXEL);
-    check(gpu, "mask from below", &world, &transfer, &below, TEXEL);
+    for (name, from) in [("mask from above", above), ("mask from below", below)] {
+        check(gpu, name, (&world, &transfer), &from, TEXEL, VARYING);
+    }
 }
 
 fn edited_materials_are_those_of_the_cpu(gpu: &Gpu) {
@@ -178,7 +192,7 @@ fn edited_materials_are_those_of_the_cpu(gpu: &Gpu) {
     world.materials[0].base_color = [0.2, 0.9, 0.4, 1.0];
     world.materials[0].reflection = gltf(0.4, 0.7);
     let seen = expected(&world, &transfer, &from, TEXEL);
-    seen.check("edited", &drawn, RELATIVE, ABSOLUTE);
+    seen.check("edited", &drawn, VARYING.0, VARYING.1);
     renderer.set_material(0, &baked).unwrap();
     assert_eq!(
         before,
@@ -204,7 +218,7 @@ fn maps_can_be_left_out(gpu: &Gpu) {
     floor.metallic_roughness_texture = None;
     floor.normal_texture = None;
     let seen = expected(&world, &transfer, &from, EDGE);
-    seen.check("without maps", &drawn, RELATIVE, ABSOLUTE);
+    seen.check("without maps", &drawn, VARYING.0, VARYING.1);
 }
 
 fn other_views_show_the_diffuse_part(gpu: &Gpu) {
@@ -256,9 +270,7 @@ fn other_transfers_can_be_shown_and_taken_back(gpu: &Gpu) {
 
 fn orders_past_the_layers_of_the_device_are_refused(gpu: &Gpu) {
     let world = two_materials();
-    let refused = gpu
-        .renderer()
-        .upload(&world, &matrices(&world, (1, 18), 1));
+    let refused = gpu.renderer().upload(&world, &matrices(&world, (1, 18), 1));
     let layers = GpuError::Layers {
         order: 18,
         layers: 270,

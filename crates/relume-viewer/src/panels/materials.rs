@@ -19,7 +19,12 @@ pub fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
         ui.weak("A diffuse asset: only colours show. Bake with --transfer glossy for roughness and metalness.");
     }
     let mut changed = Vec::new();
-    for (index, (material, edit)) in world.materials.iter().zip(&mut viewer.materials).enumerate() {
+    for (index, (material, edit)) in world
+        .materials
+        .iter()
+        .zip(&mut viewer.materials)
+        .enumerate()
+    {
         let name = relume::files::printable(&material.name);
         // Two may have one name.
         egui::CollapsingHeader::new(name)
