@@ -109,10 +109,11 @@ impl Lobes {
             },
             size,
         );
-        let mut all = wgpu::TextureViewDescriptor::default();
-        // One layer is an array, too.
-        all.dimension = Some(wgpu::TextureViewDimension::D2Array);
-        let view = texture.create_view(&all);
+        let view = texture.create_view(&wgpu::TextureViewDescriptor {
+            // One layer is an array, too.
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..wgpu::TextureViewDescriptor::default()
+        });
         let resources = [
             (0, BindingResource::TextureView(&view)),
             (1, BindingResource::Sampler(&self.sampler)),

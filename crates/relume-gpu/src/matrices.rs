@@ -57,7 +57,7 @@ impl GpuMatrices {
         let part = |range: Range<u32>| {
             let texels = page(transfer, &blocks, &rows, &range);
             let extent = blocks.page_extent(&range, size.matrices());
-            let page = write(gpu, "matrices", extent, texels, transfer.precision);
+            let page = write(gpu, "matrices", extent, &texels, transfer.precision);
             let uniform = MatrixPage {
                 first_row: range.start,
                 across: blocks.across as u32,
@@ -146,7 +146,7 @@ impl GpuMatrices {
                 let here = light.coefficients(vertex(side));
                 write_planes(here, self.blocks.size.columns, planes);
             }
-            let page = write(gpu, "light of matrices", extent, texels, Precision::F32);
+            let page = write(gpu, "light of matrices", extent, &texels, Precision::F32);
             let resources = [(1, BindingResource::TextureView(&whole(&page)))];
             gpu.group("light by vertex", layouts.light(Lit::Vertices), resources)
         };
@@ -213,14 +213,14 @@ fn write(
     gpu: &Gpu,
     label: &str,
     extent: (u32, u32),
-    texels: Vec<[f32; 4]>,
+    texels: &[[f32; 4]],
     precision: Precision,
 ) -> Texture {
     let usage = TextureUsages::empty();
     let texture = match precision {
         Precision::F32 => {
             let texture = gpu.texture(label, extent, TextureFormat::Rgba32Float, usage);
-            gpu.write_rows(&texture, 0, bytemuck::cast_slice(&texels));
+            gpu.write_rows(&texture, 0, bytemuck::cast_slice(texels));
             texture
         }
         Precision::F16 => {
