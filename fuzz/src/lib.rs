@@ -4,8 +4,10 @@ mod checkpoint;
 
 use std::collections::BTreeMap;
 
+use glam::DVec3;
 use relume::asset;
 use relume::basis::Order;
+use relume::brdf::{Brdf, HemisphereRule, Merl};
 use relume::light::{EnvMap, Environment, HdrImage, LayoutChoice, LightFile, MAX_RADIANCE};
 use relume::scene::{ImportOptions, Scene, SceneError, SceneFormat, World, from_bytes};
 
@@ -160,4 +162,39 @@ pub fn asset(bytes: &[u8]) {
     let again = asset::from_glb(&written).expect("what was written is read");
     let twice = asset::to_glb(&again).expect("and written again");
     assert!(written == twice, "the same asset gives other bytes");
+}
+
+/// Bytes of a measured BRDF.
+const MERL: usize = 12 + 3 * 8 * 90 * 90 * 180;
+
+/// A measured BRDF: as it is, and where its header is right also with its numbers over and over until it is as long as a file must be.
+pub fn merl(bytes: &[u8]) {
+    check_merl(bytes);
+    let whole = [90_i32, 90, 180].map(i32::to_le_bytes).concat();
+    if bytes.len() >= 20 && bytes.starts_with(&whole) {
+        let numbers = bytes[12..].iter().copied().cycle().take(MERL - 12);
+        check_merl(
+            &bytes[..12]
+                .iter()
+                .copied()
+                .chain(numbers)
+                .collect::<Vec<u8>>(),
+        );
+    }
+}
+
+fn check_merl(bytes: &[u8]) {
+    let brdf = match Merl::from_bytes(bytes, "a\nname.binary") {
+        Ok(merl) => Brdf::from(merl),
+        Err(error) => return check_message(&error),
+    };
+    let above = HemisphereRule::about_mirror(DVec3::Z);
+    for (direction, _) in above.nodes().step_by(1009) {
+        let value = brdf.eval(direction, DVec3::Z);
+        assert!(value.is_finite() && value.min_element() >= 0.0, "{value}");
+        let density = brdf.pdf(direction, DVec3::Z);
+        assert!(density.is_finite() && density >= 0.0, "{density}");
+        let drawn = brdf.sample(direction, [0.3, 0.6, 0.9]);
+        assert!(drawn.is_none_or(|drawn| drawn.is_finite()), "{drawn:?}");
+    }
 }

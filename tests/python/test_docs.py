@@ -37,6 +37,9 @@ class Fences(unittest.TestCase):
         program.write_scene(scene)
         relume("bake", scene, "-o", asset, "--samples", 256, "--bounces", 1)
         relume("export", asset, "-o", cls.files / "transfer.npz")
+        glossy = cls.files / "glossy.glb"
+        relume("bake", scene, "-o", glossy, "--samples", 64, "--transfer", "glossy", "--transfer-order", 3, "--brdf", "phong")
+        relume("export", glossy, "-o", cls.files / "compound.npz", "--compound", 2)
         relume("light", "sky:30,3", "-o", light)
         relume("shade", asset, "--light", light, "-o", cls.files / "radiance.npz")
 

@@ -73,6 +73,7 @@ Examples:
   relume bake city.glb -o baked.glb --bounces 2 --resume          go on after Ctrl-C or a crash
   relume bake pot.glb -o baked.glb --transfer glossy --bounces 2  metal and plastic, as the materials say
   relume bake scan.ply -o baked.glb --transfer glossy --brdf phong --kd 0.3,0.2,0.1 --ks 0.5 --exponent 20
+  relume bake scan.ply -o baked.glb --transfer glossy --brdf brass.binary   as measured (MERL)
 
 The asset is a .glb that any glTF viewer opens; the transfer is in it as an extension.")]
 pub struct BakeArgs {
@@ -278,6 +279,7 @@ pub enum SweepArg {
 Example:
   relume compare baked.glb --light studio.hdr --vertices 400
   relume compare baked.glb --light sky:30,3 --picture error.png
+  relume compare glossy.glb --light sky:30,3 --eye 2,1,3       radiance toward an eye
 
 The picture shows ours | path traced | the difference, with its scale. Both sides get the light at the asset's order, so that what is measured is the error of the bake: sampling, and interpolation between
 vertices where light bounces.")]
@@ -292,6 +294,9 @@ pub struct CompareArgs {
     /// Paths per vertex
     #[arg(long, value_name = "N", default_value_t = 65_536, value_parser = clap::value_parser!(u32).range(64..=1 << 26))]
     pub paths: u32,
+    /// Where glossy surfaces are seen from, and the picture is taken [default: a view of the whole]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::point, allow_hyphen_values = true)]
+    pub eye: Option<glam::Vec3>,
     /// Chooses the vertices and the paths
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
@@ -309,15 +314,20 @@ pub struct CompareArgs {
 /// Coefficients of a baked asset in other people's formats
 #[derive(Args)]
 #[command(after_help = "\
-Example:
+Examples:
   relume export baked.glb -o transfer.npz
-  python3 -c 'import numpy; print(numpy.load(\"transfer.npz\")[\"transfer\"].shape)'")]
+  python3 -c 'import numpy; print(numpy.load(\"transfer.npz\")[\"transfer\"].shape)'
+  relume export glossy.glb -o compound.npz --compound 7")]
 pub struct ExportArgs {
     /// A baked asset
     pub asset: PathBuf,
     /// The file to write, .npz
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
+    /// Instead of transfer, matrices from light to radiance toward every direction, as harmonics of this order, materials included; two more than
+    /// the transfer order is good to some thousandths. For assets of `bake --transfer glossy`
+    #[arg(long, value_name = "ORDER", value_parser = parse::order)]
+    pub compound: Option<Order>,
 }
 
 /// What is in a file: an asset, a scene, a light

@@ -24,8 +24,12 @@ use crate::{interrupt, json};
 
 pub fn run(args: &BakeArgs) -> Result<(), Failure> {
     check_extension(&args.output, &["glb"])?;
-    check_output(&args.output, &[&args.scene])?;
     check_glossy(args);
+    let inputs: Vec<&Path> = [args.scene.as_path()]
+        .into_iter()
+        .chain(args.brdf.file())
+        .collect();
+    check_output(&args.output, &inputs)?;
     let scene = loaded(args)?;
     let world = World::new(&scene);
     let options = options(args, &world)?;

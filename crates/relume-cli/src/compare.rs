@@ -3,10 +3,14 @@
 mod font;
 mod picture;
 
-use relume::files::printable;
-use relume::reference::{self, CompareOptions, Comparison};
-
 use std::path::PathBuf;
+
+use relume::asset::Transfer;
+use relume::display::Camera;
+use relume::files::printable;
+use relume::light::ShLight;
+use relume::reference::{self, CompareOptions, Comparison};
+use relume::scene::World;
 
 use crate::args::CompareArgs;
 use crate::failure::Failure;
@@ -14,6 +18,7 @@ use crate::inputs::{self, check_extension, check_output, shown};
 use crate::{json, progress};
 
 pub use picture::ErrorPicture;
+use picture::Shot;
 
 pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     if let Some(path) = &args.picture {
@@ -24,36 +29,25 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
         check_output(path, &inputs)?;
     }
     let (asset, world) = inputs::open_asset(&args.asset)?;
-    if asset.transfer.matrices.is_some() {
-        let what = "glossy assets cannot be compared yet; bake it with --transfer diffuse";
+    if args.eye.is_some() && args.picture.is_none() && asset.transfer.matrices.is_none() {
+        let what = "diffuse surfaces look the same from everywhere; leave --eye out";
         return Err(Failure::new(format!("{}: {what}", shown(&args.asset))));
     }
     let environment = inputs::open_environment(&args.light.env, &args.light.change)?;
     let light = inputs::project(&environment, asset.transfer.order, &args.light.change)?.light;
-    let CompareArgs {
-        vertices,
-        paths,
-        seed,
-        ..
-    } = *args;
-    let options = CompareOptions {
-        vertices,
-        paths,
-        seed,
-        ..CompareOptions::default()
-    };
+    let camera = camera(args, &world);
     let spinner = progress::spinner("path tracing");
-    let comparison = reference::compare(&world, &asset.transfer, &light, &options);
+    let comparison = compared(args, &world, &asset.transfer, &light, &camera);
     spinner.finish_and_clear();
-    let Some(comparison) = comparison else {
-        let asset = printable(&shown(&args.asset));
-        return Err(Failure::new(format!(
-            "{asset}: every vertex is buried; nothing can be compared"
-        )));
-    };
+    let comparison = comparison?;
     let picture = args.picture.as_ref().map(|path| {
-        let transfer = &asset.transfer;
-        picture::write(&world, transfer, &light, seed, args.size, path)
+        let shot = Shot {
+            world: &world,
+            transfer: &asset.transfer,
+            light: &light,
+            camera,
+        };
+        shot.write(args.seed, args.size, path)
     });
     let picture = picture.transpose()?;
     if args.json {
@@ -65,6 +59,42 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
         print_picture(picture);
     }
     Ok(())
+}
+
+/// From the eye asked for, or from where all is seen, at the shape of the picture.
+fn camera(args: &CompareArgs, world: &World) -> Camera {
+    let framing = Camera::framing(world, args.size.0 as f32 / args.size.1 as f32);
+    Camera {
+        eye: args.eye.unwrap_or(framing.eye),
+        ..framing
+    }
+}
+
+/// The figures: of transferred radiance, or toward the camera where surfaces are glossy.
+fn compared(
+    args: &CompareArgs,
+    world: &World,
+    transfer: &Transfer,
+    light: &ShLight,
+    camera: &Camera,
+) -> Result<Comparison, Failure> {
+    let options = CompareOptions {
+        vertices: args.vertices,
+        paths: args.paths,
+        seed: args.seed,
+        ..CompareOptions::default()
+    };
+    let asset = printable(&shown(&args.asset));
+    if transfer.matrices.is_none() {
+        let comparison = reference::compare(world, transfer, light, &options);
+        let what = "every vertex is buried; nothing can be compared";
+        return comparison.ok_or_else(|| Failure::new(format!("{asset}: {what}")));
+    }
+    let eye = camera.eye.as_dvec3();
+    let comparison = reference::compare_toward(world, transfer, light, eye, &options)
+        .map_err(|error| Failure::new(format!("{asset}: {error}")))?;
+    let what = "no vertex but buried ones faces the eye; choose another --eye";
+    comparison.ok_or_else(|| Failure::new(format!("{asset}: {what}")))
 }
 
 fn print_picture(picture: &ErrorPicture) {
@@ -89,8 +119,14 @@ fn print(comparison: &Comparison) {
         0 => "shadowed direct light".to_owned(),
         k => format!("{k} bounces"),
     };
+    let toward = comparison.eye.map_or(String::new(), |eye| {
+        format!(
+            ", radiance toward ({:.4}, {:.4}, {:.4})",
+            eye.x, eye.y, eye.z
+        )
+    });
     println!(
-        "{} vertices, {kind}, against the path tracer",
+        "{} vertices, {kind}{toward}, against the path tracer",
         comparison.vertices
     );
     if comparison.invalid > 0 {

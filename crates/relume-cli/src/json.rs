@@ -56,6 +56,7 @@ fn about_asset(asset: &Asset) -> Value {
         "order": about.order.get(),
         "coefficients": about.order.count(),
         "transfer_order": about.transfer_order.map(Order::get),
+        "brdf": about.brdf.as_ref().map(|(model, _)| *model),
         "channels": about.channels,
         "precision": about.precision.token(),
         "samples": about.samples,
@@ -130,6 +131,7 @@ pub fn comparison(comparison: &Comparison, picture: Option<&ErrorPicture>) -> Va
     });
     json!({
         "kind": "comparison",
+        "eye": comparison.eye.map(|eye| eye.to_array()),
         "vertices": comparison.vertices,
         "buried_vertices": comparison.invalid,
         "shadows": !comparison.unshadowed,

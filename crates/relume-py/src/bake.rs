@@ -40,31 +40,16 @@ pub fn bake<'py>(
     threads: Option<usize>,
     double_sided: bool,
 ) -> PyResult<Baked<'py>> {
-    let mut albedo: Vec<[f32; 3]> = rows("albedo", &albedo)?;
-    let input = Triangles {
-        positions: rows("vertices", &vertices)?,
-        triangles: rows("faces", &faces)?,
-        normals: normals
-            .map(|normals| rows("normals", &normals))
-            .transpose()?,
-        albedo: match albedo.len() {
-            1 => Albedo::Uniform(albedo.remove(0)),
-            _ => Albedo::PerVertex(albedo),
-        },
-        double_sided,
-    };
-    let options = BakeOptions {
-        order: Order::new(order).map_err(|error| failure::value("order", error))?,
-        samples,
-        bounces,
-        seed,
-        // Threads of this bake alone: those that all bakes share would be missing in a forked process.
-        threads: Some(threads.unwrap_or_else(cores)),
-        ..BakeOptions::default()
-    };
+    let input = triangles(&vertices, &faces, normals.as_ref(), &albedo, double_sided)?;
+    let options = options(order, samples, bounces, seed, threads)?;
     let cancelled = Arc::new(AtomicBool::new(false));
     let flag = cancelled.clone();
-    let (transfer, warnings) = work::long(py, &cancelled, move || run(input, &options, &flag))??;
+    let work = move || {
+        let scene = scene(input)?;
+        let transfer = run(&World::new(&scene), &options, &flag)?;
+        PyResult::Ok((transfer, scene.warnings))
+    };
+    let (transfer, warnings) = work::long(py, &cancelled, work)??;
     let shape = [
         transfer.vertex_count(),
         transfer.channels,
@@ -75,25 +60,66 @@ pub fn bake<'py>(
     Ok((coefficients, valid, warnings))
 }
 
-fn run(
-    input: Triangles,
-    options: &BakeOptions,
-    cancelled: &AtomicBool,
-) -> PyResult<(Transfer, Vec<String>)> {
-    let scene = Scene::from_triangles(input).map_err(|error| failure::value("faces", error))?;
-    let world = World::new(&scene);
-    let warnings = scene.warnings;
+/// The arrays that `bake` and `bake_glossy` take.
+pub fn triangles(
+    vertices: &PyReadonlyArray2<'_, f32>,
+    faces: &PyReadonlyArray2<'_, u32>,
+    normals: Option<&PyReadonlyArray2<'_, f32>>,
+    albedo: &PyReadonlyArray2<'_, f32>,
+    double_sided: bool,
+) -> PyResult<Triangles> {
+    let mut albedo: Vec<[f32; 3]> = rows("albedo", albedo)?;
+    Ok(Triangles {
+        positions: rows("vertices", vertices)?,
+        triangles: rows("faces", faces)?,
+        normals: normals
+            .map(|normals| rows("normals", normals))
+            .transpose()?,
+        albedo: match albedo.len() {
+            1 => Albedo::Uniform(albedo.remove(0)),
+            _ => Albedo::PerVertex(albedo),
+        },
+        double_sided,
+    })
+}
+
+/// The numbers that `bake` and `bake_glossy` take.
+pub fn options(
+    order: usize,
+    samples: u32,
+    bounces: u32,
+    seed: u64,
+    threads: Option<usize>,
+) -> PyResult<BakeOptions> {
+    Ok(BakeOptions {
+        order: Order::new(order).map_err(|error| failure::value("order", error))?,
+        samples,
+        bounces,
+        seed,
+        // Threads of this bake alone: those that all bakes share would be missing in a forked process.
+        threads: Some(threads.unwrap_or_else(cores)),
+        ..BakeOptions::default()
+    })
+}
+
+/// The scene of some triangles.
+pub fn scene(input: Triangles) -> PyResult<Scene> {
+    Scene::from_triangles(input).map_err(|error| failure::value("faces", error))
+}
+
+/// Bakes, once it is known that there is memory for it.
+pub fn run(world: &World, options: &BakeOptions, cancelled: &AtomicBool) -> PyResult<Transfer> {
     options
-        .check(&world)
+        .check(world)
         .map_err(|error| failure::bake(&error))?;
-    check_memory(options.need(&world).memory)?;
+    check_memory(options.need(world).memory)?;
     let monitor = Monitor {
         progress: &|_| (),
         cancelled,
     };
-    let baked = relume::bake::bake(&world, options, &monitor);
+    let baked = relume::bake::bake(world, options, &monitor);
     let baked = baked.map_err(|error: BakeError| failure::bake(&error))?;
-    Ok((baked.transfer, warnings))
+    Ok(baked.transfer)
 }
 
 /// Asks for the memory of a bake before it begins: a bake that runs out half way ends the whole process.

@@ -16,6 +16,8 @@ pub fn bake(error: &BakeError) -> PyErr {
         BakeError::Empty => value("faces", error),
         BakeError::Samples(_) => value("samples", error),
         BakeError::Bounces(_) => value("bounces", error),
+        BakeError::Orders(..) => value("transfer_order", error),
+        BakeError::Anisotropic(_) => value("brdf", error),
         other => PyRuntimeError::new_err(other.to_string()),
     }
 }

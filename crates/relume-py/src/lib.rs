@@ -4,6 +4,7 @@
 
 mod bake;
 mod failure;
+mod glossy;
 mod light;
 mod shade;
 mod work;
@@ -16,6 +17,8 @@ use pyo3::prelude::*;
 mod _relume {
     #[pymodule_export]
     use super::bake::bake;
+    #[pymodule_export]
+    use super::glossy::{bake_glossy, shade_glossy, surfaces};
     #[pymodule_export]
     use super::light::light;
     #[pymodule_export]

@@ -75,8 +75,9 @@ def python(code):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
-def test_ctrl_c_raises_keyboard_interrupt_at_once():
-    with python(INTERRUPTED) as child:
+@pytest.mark.parametrize("more", ["", ", order=3, transfer='glossy', transfer_order=4, brdf=relume.Phong()"], ids=["diffuse", "glossy"])
+def test_ctrl_c_raises_keyboard_interrupt_at_once(more):
+    with python(INTERRUPTED.replace(", bounces=8", ", bounces=8" + more)) as child:
         out, err = child.communicate(timeout=60)
     assert not err, err
     assert float(out) < SOON

@@ -17,7 +17,8 @@ use relume::basis::Order;
 use relume::brdf::{Brdf, Phong, Reflection};
 use relume::light::{self, IncidentLight, LightOptions, ShLight};
 use relume::reference::{
-    Estimate, EstimateOptions, Seen, estimate_outgoing, receivers_at, sh_radiance,
+    Estimate, EstimateOptions, Seen, estimate_outgoing, material_surfaces, receivers_at,
+    sh_radiance,
 };
 use relume::scene::{self, ImportOptions, World};
 use relume::shade::{Outgoing, TransferredRadiance};
@@ -176,10 +177,7 @@ impl Bench {
 
     fn exact(&self, seen: &[Seen], light: &ShLight, bounces: u32) -> Vec<Estimate> {
         let world = &self.world;
-        let surfaces = |triangle: u32, weights: [f32; 3]| {
-            let albedo = world.surface(triangle, weights).albedo.as_dvec3();
-            world.material(triangle).reflection.brdf(albedo)
-        };
+        let surfaces = material_surfaces(world);
         let options = EstimateOptions {
             bounces,
             paths: self.paths,

@@ -75,6 +75,32 @@ pub fn bake(context: &Context, arguments: &[String]) -> Result<Figures, String> 
     Ok(Figures::Rows(rows))
 }
 
+/// Outgoing radiance: `examples/outgoing` measures, and `xtask/bench/outgoing.py` draws.
+pub fn outgoing(context: &Context, arguments: &[String]) -> Result<Figures, String> {
+    let Some(folder) = context.shared("data/meshes") else {
+        println!("skipped: shared/data/meshes is not there");
+        return Ok(Figures::Printed);
+    };
+    let Some(example) = build(context, "outgoing")? else {
+        return Ok(Figures::Failed);
+    };
+    let mut python = context.command(python::SYSTEM);
+    python
+        .args(["-u", "xtask/bench/outgoing.py", "--example"])
+        .arg(example)
+        .arg("--mesh")
+        .arg(folder.join("max_planck_5k.obj"))
+        .arg("--work")
+        .arg(context.target.join("bench/outgoing"))
+        .args(arguments)
+        .env("PYTHONUTF8", "1");
+    Ok(if process::succeeds(&mut python)? {
+        Figures::Printed
+    } else {
+        Figures::Failed
+    })
+}
+
 /// Growth: `xtask/bench/growth.py` runs the program and draws.
 pub fn growth(context: &Context, arguments: &[String]) -> Result<Figures, String> {
     let Some(folder) = context.shared("data/meshes") else {

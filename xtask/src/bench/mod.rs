@@ -79,6 +79,12 @@ const BENCHES: &[Bench] = &[
         run: bakes::growth,
     },
     Bench {
+        name: "outgoing",
+        what: "ways from transferred to outgoing radiance: error, bytes and time",
+        needs: &[Need::Python],
+        run: bakes::outgoing,
+    },
+    Bench {
         name: "frames",
         what: "frame times with the light turning, against the same mesh under a plain Lambert shader",
         needs: &[],

@@ -1,8 +1,10 @@
 //! How surfaces reflect, for scenes that do not say it.
 
-use clap::{Args, ValueEnum};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
 use glam::DVec3;
-use relume::brdf::{Brdf, Phong, Reflection};
+use relume::brdf::{Merl, Phong, Reflection};
 use relume::scene::{self, Scene};
 
 use super::parse;
@@ -10,8 +12,8 @@ use crate::failure::Failure;
 
 #[derive(Args)]
 pub struct BrdfArgs {
-    /// How all surfaces reflect, instead of what the scene says [default: as glTF materials say; OBJ and PLY are diffuse]
-    #[arg(long, value_enum)]
+    /// How all surfaces reflect, instead of what the scene says: lambert, phong, ggx (the metallic-roughness material of glTF), or a measured BRDF of the MERL database [default: as glTF materials say; OBJ and PLY are diffuse]
+    #[arg(long, value_name = "lambert|phong|ggx|FILE.binary", value_parser = model)]
     pub brdf: Option<Model>,
     /// Diffuse colour of --brdf lambert [default: the scene's] and phong [default: 0.5,0.5,0.5]
     #[arg(long, value_name = "R,G,B", value_parser = parse::albedo, requires = "brdf")]
@@ -33,36 +35,76 @@ pub struct BrdfArgs {
     pub roughness: Option<f32>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+/// `--brdf`
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Model {
-    /// Diffuse
+    /// Diffuse.
     Lambert,
-    /// Diffuse, and a cosine power about the mirror direction
+    /// Diffuse, and a cosine power about the mirror direction.
     Phong,
-    /// The metallic-roughness material of glTF
+    /// The metallic-roughness material of glTF.
     Ggx,
+    /// As measured in a file of the MERL database.
+    Measured(PathBuf),
+}
+
+fn model(text: &str) -> Result<Model, String> {
+    let path = Path::new(text);
+    match text {
+        "lambert" => Ok(Model::Lambert),
+        "phong" => Ok(Model::Phong),
+        "ggx" => Ok(Model::Ggx),
+        _ if path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("binary")) =>
+        {
+            Ok(Model::Measured(path.to_owned()))
+        }
+        _ => Err("not lambert, phong, ggx or a file whose name ends in .binary".to_owned()),
+    }
+}
+
+impl Model {
+    fn name(&self) -> &'static str {
+        match self {
+            Self::Lambert => "lambert",
+            Self::Phong => "phong",
+            Self::Ggx => "ggx",
+            Self::Measured(_) => "FILE.binary",
+        }
+    }
 }
 
 impl BrdfArgs {
+    /// The file of a measured BRDF.
+    pub fn file(&self) -> Option<&Path> {
+        match &self.brdf {
+            Some(Model::Measured(path)) => Some(path),
+            _ => None,
+        }
+    }
+
     /// Lets the surfaces of `scene` reflect as asked for.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), Failure> {
-        let reflection = match self.brdf {
+        let (reflection, albedo) = match &self.brdf {
             None => return Ok(()),
-            Some(Model::Lambert) => Reflection::Diffuse,
-            Some(Model::Phong) => Reflection::Fixed(Brdf::from(Phong {
-                diffuse: DVec3::from(self.kd.unwrap_or([0.5; 3]).map(f64::from)),
-                specular: DVec3::splat(self.ks.unwrap_or(0.25).into()),
-                exponent: self.exponent.unwrap_or(20.0),
-            })),
-            Some(Model::Ggx) => Reflection::MetallicRoughness {
-                metallic: self.metallic.unwrap_or(0.0),
-                roughness: self.roughness.unwrap_or(0.5),
-            },
-        };
-        let albedo = match self.brdf {
-            Some(Model::Lambert) => self.kd,
-            Some(Model::Ggx) => self.base_color,
-            _ => None,
+            Some(Model::Lambert) => (Reflection::Diffuse, self.kd),
+            Some(Model::Phong) => {
+                let phong = Phong {
+                    diffuse: DVec3::from(self.kd.unwrap_or([0.5; 3]).map(f64::from)),
+                    specular: DVec3::splat(self.ks.unwrap_or(0.25).into()),
+                    exponent: self.exponent.unwrap_or(20.0),
+                };
+                (Reflection::Fixed(phong.into()), None)
+            }
+            Some(Model::Ggx) => {
+                let reflection = Reflection::MetallicRoughness {
+                    metallic: self.metallic.unwrap_or(0.0),
+                    roughness: self.roughness.unwrap_or(0.5),
+                };
+                (reflection, self.base_color)
+            }
+            Some(Model::Measured(path)) => (Reflection::Fixed(Merl::read(path)?.into()), None),
         };
         if let Some(albedo) = albedo {
             scene::override_albedo(scene, albedo)?;
@@ -73,33 +115,24 @@ impl BrdfArgs {
 
     /// Refuses numbers that the model does not have, and a Phong lobe that reflects more than it receives.
     pub fn check(&self) -> Result<(), String> {
-        let given = [
-            ("--kd", self.kd.is_some(), [true, true, false]),
-            ("--ks", self.ks.is_some(), [false, true, false]),
-            ("--exponent", self.exponent.is_some(), [false, true, false]),
-            (
-                "--base-color",
-                self.base_color.is_some(),
-                [false, false, true],
-            ),
-            ("--metallic", self.metallic.is_some(), [false, false, true]),
-            (
-                "--roughness",
-                self.roughness.is_some(),
-                [false, false, true],
-            ),
-        ];
-        let Some(model) = self.brdf else {
+        let Some(model) = &self.brdf else {
             return Ok(());
         };
-        for (flag, is_given, belongs) in given {
-            if is_given && !belongs[model as usize] {
-                let name = format!("{model:?}").to_lowercase();
-                return Err(format!("{flag} is not of --brdf {name}"));
+        let given = [
+            ("--kd", self.kd.is_some(), &["lambert", "phong"][..]),
+            ("--ks", self.ks.is_some(), &["phong"]),
+            ("--exponent", self.exponent.is_some(), &["phong"]),
+            ("--base-color", self.base_color.is_some(), &["ggx"]),
+            ("--metallic", self.metallic.is_some(), &["ggx"]),
+            ("--roughness", self.roughness.is_some(), &["ggx"]),
+        ];
+        for (flag, is_given, owners) in given {
+            if is_given && !owners.contains(&model.name()) {
+                return Err(format!("{flag} is not of --brdf {}", model.name()));
             }
         }
         let brightest = self.kd.unwrap_or([0.5; 3]).into_iter().fold(0.0, f32::max);
-        if model == Model::Phong && brightest + self.ks.unwrap_or(0.25) > 1.0 {
+        if *model == Model::Phong && brightest + self.ks.unwrap_or(0.25) > 1.0 {
             let what =
                 "--kd and --ks together reflect more than there is: their sum must not pass 1";
             return Err(what.to_owned());

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
 use relume::asset::{Transfer, TransferKind};
 use relume::bake::trace::Tracer;
-use relume::display::{self, Camera, Picture, RaycastOptions, ToneMap};
+use relume::display::{self, Camera, CameraError, Picture, RaycastOptions, ToneMap};
 use relume::light::ShLight;
 use relume::reference::{self, RenderOptions};
 use relume::scene::World;
@@ -32,63 +33,91 @@ pub struct ErrorPicture {
 
 /// Paths per pixel of each of two halves, whose difference tells the noise.
 const PATHS: u32 = 72;
+/// The same of glossy surfaces: a lobe shows the light more sharply than a cosine does, and what it shows scatters more.
+const GLOSSY_PATHS: u32 = 4 * PATHS;
 /// Pixels between and below the views.
 const GAP: u32 = 4;
 /// Of the scale: its height, and that of the letters' pixels.
 const BAR: u32 = 8;
 const LETTER: u32 = 2;
 
-/// Makes the picture and writes it.
-pub fn write(
-    world: &World,
-    transfer: &Transfer,
-    light: &ShLight,
-    seed: u64,
-    (width, height): (u32, u32),
-    path: &Path,
-) -> Result<ErrorPicture, Failure> {
-    let TransferKind::Shadowed { bounces } = transfer.kind else {
-        return Err(Failure::new(format!(
-            "{}: paths are always shadowed, so there is no such picture of an asset without shadows; bake it with shadows",
-            shown(path)
-        )));
-    };
-    let tracer = Tracer::new(world);
-    let camera = Camera::framing(world, width as f32 / height as f32);
-    let view = View {
-        world,
-        tracer: &tracer,
-        camera,
-        outgoing: None,
-    };
-    let exposure = view.exposure(Exposure::Auto, transfer, light, (width, height))?;
-    let options = RaycastOptions {
-        width,
-        height,
-        samples_per_pixel: 64,
-    };
-    let ours = view.picture(transfer, light, &|_| [0.0; 3], &options)?;
-    let spinner = progress::spinner("path tracing the picture");
-    let half = |half: u64| {
+/// What the picture is of.
+pub struct Shot<'a> {
+    pub world: &'a World,
+    pub transfer: &'a Transfer,
+    pub light: &'a ShLight,
+    pub camera: Camera,
+}
+
+impl Shot<'_> {
+    /// Makes the picture and writes it.
+    pub fn write(&self, seed: u64, size: (u32, u32), path: &Path) -> Result<ErrorPicture, Failure> {
+        let TransferKind::Shadowed { bounces } = self.transfer.kind else {
+            return Err(Failure::new(format!(
+                "{}: paths are always shadowed, so there is no such picture of an asset without shadows; bake it with shadows",
+                shown(path)
+            )));
+        };
+        let (ours, tone) = self.ours(size)?;
+        let spinner = progress::spinner("path tracing the picture");
+        let half = |half: u64| {
+            let seed = seed.wrapping_mul(2).wrapping_add(half);
+            self.traced(bounces, seed, size)
+        };
+        let halves = [half(0)?, half(1)?];
+        spinner.finish_and_clear();
+        let (whole, figures) = compose(ours, &halves, &tone);
+        whole.write(path, &tone)?;
+        Ok(ErrorPicture {
+            path: path.to_owned(),
+            ..figures
+        })
+    }
+
+    /// From the transfer, and how all three views are shown.
+    fn ours(&self, (width, height): (u32, u32)) -> Result<(Picture, ToneMap), Failure> {
+        let tracer = Tracer::new(self.world);
+        let view = View {
+            world: self.world,
+            tracer: &tracer,
+            camera: self.camera,
+            outgoing: display::outgoing(self.world, self.transfer)?,
+        };
+        let (transfer, light) = (self.transfer, self.light);
+        let exposure = view.exposure(Exposure::Auto, transfer, light, (width, height))?;
+        let options = RaycastOptions {
+            width,
+            height,
+            samples_per_pixel: 64,
+        };
+        let ours = view.picture(transfer, light, &|_| [0.0; 3], &options)?;
+        Ok((ours, ToneMap { exposure }))
+    }
+
+    /// Path traced.
+    fn traced(
+        &self,
+        bounces: u32,
+        seed: u64,
+        (width, height): (u32, u32),
+    ) -> Result<Picture, CameraError> {
+        let glossy = self.transfer.matrices.is_some();
         let options = RenderOptions {
             width,
             height,
-            samples_per_pixel: PATHS,
+            samples_per_pixel: if glossy { GLOSSY_PATHS } else { PATHS },
             bounces,
-            seed: seed.wrapping_mul(2).wrapping_add(half),
+            seed,
         };
-        let radiance = reference::sh_radiance(light);
-        reference::render(world, &radiance, &|_| [0.0; 3], &camera, &options)
-    };
-    let halves = [half(0)?, half(1)?];
-    spinner.finish_and_clear();
-    let tone = ToneMap { exposure };
-    let (whole, figures) = compose(ours, &halves, &tone);
-    whole.write(path, &tone)?;
-    Ok(ErrorPicture {
-        path: path.to_owned(),
-        ..figures
-    })
+        let (world, camera) = (self.world, &self.camera);
+        let radiance = reference::sh_radiance(self.light);
+        let behind = |_: DVec3| [0.0; 3];
+        if !glossy {
+            return reference::render(world, &radiance, &behind, camera, &options);
+        }
+        let surfaces = reference::material_surfaces(world);
+        reference::render_surfaces(world, &surfaces, &radiance, &behind, camera, &options)
+    }
 }
 
 /// The whole picture, in radiance that `tone` turns into the colours meant.

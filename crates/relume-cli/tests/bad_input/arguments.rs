@@ -4,7 +4,7 @@ use super::case::{Case, Outcome};
 use super::obj::GOOD;
 
 /// Each flag with what it refuses.
-const FLAGS: [(&str, &[&str]); 10] = [
+const FLAGS: [(&str, &[&str]); 12] = [
     (
         "bake a.obj -o out.glb --samples",
         &["0", "-1", "4294967296", "1e3", "many"],
@@ -33,6 +33,14 @@ const FLAGS: [(&str, &[&str]); 10] = [
     (
         "bake a.obj -o out.glb --precision",
         &["f8", "f64", "16", "half"],
+    ),
+    (
+        "bake a.obj -o out.glb --transfer glossy --brdf",
+        &["velvet", "", "phong.txt", ".binary", "PHONG", "\u{1b}[31m"],
+    ),
+    (
+        "compare a.glb --light sky:40,3 --eye",
+        &["1,2", "nan,0,0", "here", "1,2,inf"],
     ),
     (
         "light sky:40,3 -o out.json --rotate",

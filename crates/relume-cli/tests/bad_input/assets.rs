@@ -12,11 +12,11 @@ fn refused(name: &str, bytes: Vec<u8>, part: &'static str) -> Case {
     Case::new(name, SHADE, Outcome::Refused(part)).with("a.glb", bytes)
 }
 
-fn extension(json: &mut Value) -> &mut Value {
+pub fn extension(json: &mut Value) -> &mut Value {
     &mut json["nodes"][0]["extensions"]["RELUME_transfer"]
 }
 
-fn primitive(json: &mut Value) -> &mut Value {
+pub fn primitive(json: &mut Value) -> &mut Value {
     &mut extension(json)["primitives"][0]
 }
 
@@ -38,7 +38,7 @@ fn changed(made: &Made, change: impl FnOnce(&mut Value, &mut Vec<u8>)) -> Vec<u8
     changed_of(&made.asset, change)
 }
 
-fn changed_of(asset: &[u8], change: impl FnOnce(&mut Value, &mut Vec<u8>)) -> Vec<u8> {
+pub fn changed_of(asset: &[u8], change: impl FnOnce(&mut Value, &mut Vec<u8>)) -> Vec<u8> {
     let (mut json, mut bin) = parts(asset);
     change(&mut json, &mut bin);
     glb(&json, &bin)

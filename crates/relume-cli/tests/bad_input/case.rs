@@ -135,6 +135,7 @@ fn target(file: &str, line: &str) -> Option<&'static str> {
         "ply" => "ply",
         "json" => "light_json",
         "dds" => "dds",
+        "binary" => "merl",
         "hdr" | "exr" | "pfm" | "png" | "jpg" => "image",
         _ => return None,
     })

@@ -15,6 +15,7 @@ mod assets;
 mod bytes;
 mod case;
 mod checkpoint;
+mod glossy;
 mod gltf;
 mod images;
 mod json;
@@ -31,7 +32,7 @@ use outcome::Bench;
 fn whatever_is_wrong_is_said_in_one_line_and_leaves_everything_as_it_was() {
     let bench = Bench::new();
     let made = bench.made();
-    let tables: [(&str, Vec<Case>); 11] = [
+    let tables: [(&str, Vec<Case>); 12] = [
         ("gltf", gltf::cases()),
         ("accessors", accessors::cases()),
         ("nodes", nodes::cases()),
@@ -41,6 +42,7 @@ fn whatever_is_wrong_is_said_in_one_line_and_leaves_everything_as_it_was() {
         ("images", images::cases(&made)),
         ("json", json::cases()),
         ("assets", assets::cases(&made)),
+        ("glossy", glossy::cases(&made)),
         ("arguments", arguments::cases()),
         ("checkpoint", checkpoint::cases()),
     ];

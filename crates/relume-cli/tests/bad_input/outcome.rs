@@ -30,6 +30,10 @@ pub struct Made {
     pub asset: Vec<u8>,
     /// The same in half floats.
     pub half: Vec<u8>,
+    /// With matrices, of backs too, and a BRDF.
+    pub glossy: Vec<u8>,
+    /// The same with a measured BRDF.
+    pub measured: Vec<u8>,
     pub exr: Vec<u8>,
     pub png: Vec<u8>,
 }
@@ -51,9 +55,13 @@ impl Bench {
     pub fn made(&self) -> Made {
         let folder = self.fresh("made");
         fs::write(folder.join("a.obj"), super::obj::GOOD).unwrap();
+        fs::write(folder.join("two.glb"), super::glossy::two_sided()).unwrap();
+        fs::write(folder.join("a.binary"), super::glossy::measured()).unwrap();
         for line in [
             "bake a.obj -o a.glb --samples 16",
             "bake a.obj -o half.glb --samples 16 --precision f16",
+            "bake two.glb -o glossy.glb --samples 16 --order 2 --transfer glossy --transfer-order 2 --brdf phong",
+            "bake two.glb -o measured.glb --samples 16 --order 2 --transfer glossy --transfer-order 2 --brdf a.binary",
             "render a.glb --light constant:1,1,1 -o a.exr --size 16x8 --samples-per-pixel 1",
             "render a.glb --light constant:1,1,1 -o a.png --size 16x8 --samples-per-pixel 1",
         ] {
@@ -64,6 +72,8 @@ impl Bench {
         Made {
             asset: read("a.glb"),
             half: read("half.glb"),
+            glossy: read("glossy.glb"),
+            measured: read("measured.glb"),
             exr: read("a.exr"),
             png: read("a.png"),
         }

@@ -4,6 +4,8 @@
     light  a light    → coefficients     [n², 3]         for each light
     shade  both       → radiance         [V, 3]          for each frame
 
+Surfaces that look different from each side: `bake(…, transfer="glossy", brdf=relume.Ggx(…))`, then `shade(…, eye=…)`.
+
 Axes are right-handed with y up. Spherical harmonics are real and orthonormal, without Condon–Shortley phase, at index l(l + 1) + m; *order* n
 means the degrees 0…n − 1, n² coefficients. Colours are linear Rec. 709. Light is radiance.
 
@@ -26,15 +28,30 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Sequence
-from typing import Literal, overload
+from typing import Literal, TypedDict, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arguments, _relume
+from ._brdf import Brdf, Ggx, Lambert, Measured, Phong
+from ._glossy import GlossyTransfer
 from ._relume import __version__
 
-__all__ = ["__version__", "bake", "light", "shade"]
+__all__ = ["Ggx", "GlossyTransfer", "Lambert", "Measured", "Phong", "__version__", "bake", "light", "shade"]
+
+
+class _Options(TypedDict):
+    """What both bakes take."""
+
+    normals: NDArray[np.float32] | None
+    albedo: NDArray[np.float32]
+    order: int
+    samples: int
+    bounces: int
+    seed: int
+    threads: int | None
+    double_sided: bool
 
 
 @overload
@@ -51,6 +68,7 @@ def bake(
     threads: int | None = ...,
     double_sided: bool = ...,
     return_valid: Literal[False] = ...,
+    transfer: Literal["diffuse"] = ...,
 ) -> NDArray[np.float32]: ...
 @overload
 def bake(
@@ -66,7 +84,25 @@ def bake(
     threads: int | None = ...,
     double_sided: bool = ...,
     return_valid: Literal[True],
+    transfer: Literal["diffuse"] = ...,
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]: ...
+@overload
+def bake(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    *,
+    normals: ArrayLike | None = ...,
+    albedo: ArrayLike = ...,
+    order: int = ...,
+    samples: int = ...,
+    bounces: int = ...,
+    seed: int = ...,
+    threads: int | None = ...,
+    double_sided: bool = ...,
+    transfer: Literal["glossy"],
+    transfer_order: int | None = ...,
+    brdf: Brdf | None = ...,
+) -> GlossyTransfer: ...
 def bake(
     vertices: ArrayLike,
     faces: ArrayLike,
@@ -80,8 +116,11 @@ def bake(
     threads: int | None = None,
     double_sided: bool = False,
     return_valid: bool = False,
-) -> NDArray[np.float32] | tuple[NDArray[np.float32], NDArray[np.bool_]]:
-    """Bakes the diffuse transfer vector of every vertex: shadowed direct light and `bounces` interreflections.
+    transfer: Literal["diffuse", "glossy"] = "diffuse",
+    transfer_order: int | None = None,
+    brdf: Brdf | None = None,
+) -> NDArray[np.float32] | tuple[NDArray[np.float32], NDArray[np.bool_]] | GlossyTransfer:
+    """Bakes the diffuse transfer vector of every vertex, or its transfer matrix: shadowed direct light and `bounces` interreflections.
 
     Returns float32 [V, C, order²], in the order of `vertices`; C is 1 without bounces and 3 (linear red, green, blue) with them. A row is the
     transferred irradiance divided by π, as coefficients of the light: visibility, the cosine and 1/π are folded in, every bounce's albedo too, but
@@ -106,15 +145,25 @@ def bake(
     return_valid  also return bool [V]: False where a vertex lies inside something (more than half of its rays first meet the back of a one-sided
                   face) and its row was filled from its neighbours.
 
+    With transfer="glossy" the result is a `relume.GlossyTransfer`, with matrices for surfaces that look different from each side: `transfer_order²`
+    times the size. Seen from behind their normals they are black.
+
+    transfer_order  1…32, order + transfer_order at most 33: how sharp the light is that arrives; None for what the BRDF needs, 10 or `order` at most.
+    brdf            how all surfaces reflect: relume.Lambert() (also for None), Phong(kd, ks, exponent), Ggx(base_color, metallic, roughness) or
+                    Measured("file.binary").
+
     The GIL is released. Ctrl-C raises KeyboardInterrupt at once when called from the main thread, the one that Python tells of it.
 
     Raises ValueError, in one line that starts with the name of the argument, for everything that is not as above; MemoryError when the result
     would not fit. What was repaired is said by warnings.warn.
     """
+    glossy = _arguments.is_glossy(transfer, transfer_order=transfer_order, brdf=brdf, return_valid=return_valid)
     points = _arguments.vertices(vertices)
-    result, valid, repairs = _relume.bake(
-        points,
-        _arguments.faces(faces, len(points)),
+    how = Lambert() if brdf is None else brdf
+    if isinstance(how, Ggx) and how.base_color is not None:
+        albedo = _arguments.color("brdf.base_color", how.base_color)
+    arrays = (points, _arguments.faces(faces, len(points)))
+    options = _Options(
         normals=_arguments.normals(normals, len(points)),
         albedo=_arguments.albedo(albedo, len(points)),
         order=_arguments.integer("order", order, 1, _arguments.MAX_ORDER),
@@ -124,11 +173,18 @@ def bake(
         threads=None if threads is None else _arguments.integer("threads", threads, 1, _arguments.MAX_THREADS),
         double_sided=bool(double_sided),
     )
+    result: NDArray[np.float32] | GlossyTransfer
+    if glossy:
+        height = None if transfer_order is None else _arguments.integer("transfer_order", transfer_order, 1, _arguments.MAX_ORDER)
+        matrices, valid, made, own, repairs = _relume.bake_glossy(*arrays, transfer_order=height, brdf=_arguments.brdf(how), **options)
+        result = GlossyTransfer(matrices, valid, points, made, own, how)
+    else:
+        result, valid, repairs = _relume.bake(*arrays, **options)
     for repair in repairs:
         # Normals that were not given are no repair.
         if normals is not None or "normal" not in repair:
             warnings.warn(repair, stacklevel=2)
-    return (result, valid) if return_valid else result
+    return (result, valid) if return_valid and not isinstance(result, GlossyTransfer) else result
 
 
 def light(
@@ -177,17 +233,36 @@ def light(
     return result
 
 
-def shade(transfer: ArrayLike, light: ArrayLike, *, albedo: ArrayLike | None = None) -> NDArray[np.float32]:
-    """The radiance that leaves every vertex under a light: albedo × Σ transfer × light.
+@overload
+def shade(transfer: ArrayLike, light: ArrayLike, *, albedo: ArrayLike | None = ...) -> NDArray[np.float32]: ...
+@overload
+def shade(transfer: GlossyTransfer, light: ArrayLike, *, eye: ArrayLike) -> NDArray[np.float32]: ...
+def shade(
+    transfer: ArrayLike | GlossyTransfer, light: ArrayLike, *, albedo: ArrayLike | None = None, eye: ArrayLike | None = None
+) -> NDArray[np.float32]:
+    """The radiance that leaves every vertex under a light: albedo × Σ transfer × light, or what glossy surfaces send toward an eye.
 
     Returns float32 [V, 3], linear Rec. 709, in the units of the light. A truncated light rings, so that small negative values are possible.
 
-    transfer  [V, C, n²], from `relume.bake` or `transfer` of `relume export`.
+    transfer  [V, C, n²], from `relume.bake` or `transfer` of `relume export`; or a `relume.GlossyTransfer`.
     light     [m², 3], from `relume.light`. Of a higher order than the transfer it is cut off, of a lower one padded with zeros.
-    albedo    the receivers' own, linear, in 0…1: a number, three, or [V, 3]. None leaves it out: radiance for a white surface.
+    albedo    the receivers' own, linear, in 0…1: a number, three, or [V, 3]. None leaves it out: radiance for a white surface. A glossy transfer has
+              its own.
+    eye       [3], only and always with a glossy transfer: where it is seen from. What turns its back to it is black; nothing hides anything.
+
+    The GIL is released. The first call with a glossy transfer tabulates its BRDF, which takes a moment.
 
     Raises ValueError, in one line that starts with the name of the argument.
     """
+    if isinstance(transfer, GlossyTransfer):
+        if albedo is not None:
+            raise ValueError("albedo: a glossy transfer has its own; leave it out")
+        place = _arguments.eye(eye)
+        matrices = _arguments.matrices(transfer.matrices)
+        coefficients = _arguments.coefficients(light)
+        return _relume.shade_glossy(matrices, coefficients, eye=(place[0], place[1], place[2]), surfaces=transfer.surfaces())
+    if eye is not None:
+        raise ValueError("eye: diffuse surfaces look the same from everywhere; leave it out")
     vectors = _arguments.transfer(transfer)
     radiance = _relume.shade(vectors, _arguments.coefficients(light))
     if albedo is None:

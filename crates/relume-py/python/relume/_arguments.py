@@ -5,11 +5,15 @@ Every refusal is one line that starts with the name of the argument.
 
 from __future__ import annotations
 
+import math
 import operator
+import os
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from ._brdf import Ggx, Lambert, Measured, Phong
 
 
 def array(name: str, value: ArrayLike, kinds: str, wanted: str) -> NDArray[Any]:
@@ -134,6 +138,96 @@ def image(value: ArrayLike) -> NDArray[np.float32]:
     if made.ndim != 3 or made.shape[2] != 3 or made.size == 0:
         raise ValueError(f"env: has the shape {_shape(made)}; give {wanted}")
     return floats("env", made)
+
+
+def is_glossy(transfer: object, *, transfer_order: object, brdf: object, return_valid: object) -> bool:
+    """Whether matrices are to be baked; refuses arguments of the other kind."""
+    if transfer not in ("diffuse", "glossy"):
+        raise ValueError(f"transfer: {transfer!r} is neither 'diffuse' nor 'glossy'")
+    for name, given in (("transfer_order", transfer_order), ("brdf", brdf)):
+        if given is not None and transfer == "diffuse":
+            raise ValueError(f"{name}: is of transfer='glossy'; give both or neither")
+    if return_valid and transfer == "glossy":
+        raise ValueError("return_valid: a glossy result has it as .valid; leave it out")
+    return transfer == "glossy"
+
+
+def matrices(value: ArrayLike) -> NDArray[np.float32]:
+    """Transfer matrices [V, C, m², n²]."""
+    wanted = "an array [V, 1 or 3, transfer order², order²] of floats"
+    made = array("matrices", value, "f", wanted)
+    if made.ndim != 4 or made.shape[1] not in (1, 3) or not (_is_order(made.shape[2]) and _is_order(made.shape[3])):
+        raise ValueError(f"matrices: has the shape {_shape(made)}; give {wanted}")
+    return floats("matrices", made)
+
+
+def order_of(value: NDArray[np.float32]) -> int:
+    """The transfer order of matrices."""
+    return math.isqrt(matrices(value).shape[2])
+
+
+def per_vertex(name: str, value: ArrayLike, vertex_count: int) -> NDArray[np.float32]:
+    """Rows of three, one for each vertex."""
+    made = points(name, value)
+    if len(made) != vertex_count:
+        raise ValueError(f"{name}: {len(made)} for {vertex_count} vertices; give one for each")
+    return made
+
+
+def eye(value: ArrayLike | None) -> NDArray[np.float64]:
+    """A place [3]."""
+    wanted = "a place [3] that glossy surfaces are seen from"
+    if value is None:
+        raise ValueError(f"eye: missing; give {wanted}")
+    made = np.asarray(array("eye", value, "fiu", wanted), dtype=np.float64)
+    if made.shape != (3,):
+        raise ValueError(f"eye: has the shape {_shape(made)}; give {wanted}")
+    if not np.isfinite(made).all():
+        raise ValueError(f"eye: {made} is not finite")
+    return made
+
+
+def number(name: str, value: object, low: float, high: float) -> float:
+    """A number from `low` to `high`."""
+    try:
+        made = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: {value!r} is not a number") from None
+    if not low <= made <= high:
+        raise ValueError(f"{name}: {made:g} is not within {low:g}…{high:g}")
+    return made
+
+
+def color(name: str, value: ArrayLike) -> list[float]:
+    """Three linear shares."""
+    wanted = "a number or three (linear red, green, blue)"
+    made = floats(name, array(name, value, "fiu", wanted))
+    if made.shape not in ((), (3,)):
+        raise ValueError(f"{name}: has the shape {_shape(made)}; give {wanted}")
+    if made.min() < 0 or made.max() > 1:
+        raise ValueError(f"{name}: {made.min():g} … {made.max():g} is not within 0…1")
+    return [float(share) for share in np.broadcast_to(made, (3,))]
+
+
+def brdf(value: object) -> tuple[str, list[float], str]:
+    """How surfaces reflect, as the native half takes it: the model, its numbers, its file."""
+    if isinstance(value, Lambert):
+        return "lambert", [], ""
+    if isinstance(value, Phong):
+        diffuse, specular = color("brdf.kd", value.kd), color("brdf.ks", value.ks)
+        brightest = max(d + s for d, s in zip(diffuse, specular))
+        # The sums of shares that were rounded to 32 bits.
+        if brightest > 1 + 1e-6:
+            raise ValueError(f"brdf: kd and ks together reflect {brightest:g} of what arrives; their sum must not pass 1")
+        return "phong", [*diffuse, *specular, number("brdf.exponent", value.exponent, 0, 1e6)], ""
+    if isinstance(value, Ggx):
+        return "ggx", [number("brdf.metallic", value.metallic, 0, 1), number("brdf.roughness", value.roughness, 0, 1)], ""
+    if isinstance(value, Measured):
+        try:
+            return "merl", [], os.fsdecode(value.path)
+        except TypeError:
+            raise ValueError(f"brdf.path: {value.path!r} is not a path") from None
+    raise ValueError(f"brdf: {value!r} is not a relume.Lambert, Phong, Ggx or Measured")
 
 
 def _is_order(count: int) -> bool:

@@ -20,6 +20,21 @@ def bake(
     threads: int | None,
     double_sided: bool,
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_], list[str]]: ...
+def bake_glossy(
+    vertices: NDArray[np.float32],
+    faces: NDArray[np.uint32],
+    *,
+    normals: NDArray[np.float32] | None,
+    albedo: NDArray[np.float32],
+    order: int,
+    transfer_order: int | None,
+    brdf: tuple[str, list[float], str],
+    samples: int,
+    bounces: int,
+    seed: int,
+    threads: int | None,
+    double_sided: bool,
+) -> tuple[NDArray[np.float32], NDArray[np.bool_], NDArray[np.float32], NDArray[np.float32], list[str]]: ...
 def light(
     env: str | PathLike[str] | NDArray[np.float32],
     *,
@@ -29,3 +44,16 @@ def light(
     window: str,
 ) -> tuple[NDArray[np.float32], list[str]]: ...
 def shade(transfer: NDArray[np.float32], light: NDArray[np.float32]) -> NDArray[np.float32]: ...
+def shade_glossy(
+    matrices: NDArray[np.float32], light: NDArray[np.float32], *, eye: tuple[float, float, float], surfaces: _Surfaces
+) -> NDArray[np.float32]: ...
+def surfaces(
+    positions: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    albedo: NDArray[np.float32],
+    *,
+    brdf: tuple[str, list[float], str],
+    order: int,
+) -> _Surfaces: ...
+
+class _Surfaces: ...

@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::{Asset, Precision, TransferKind, header};
 use crate::basis::Order;
+use crate::brdf::{Brdf, Reflection};
 use crate::files::printable;
 
 /// Sizes and conventions of a baked asset. `Display` gives one line each.
@@ -15,6 +16,8 @@ pub struct Description {
     pub channels: usize,
     /// Order of transferred radiance, where there are transfer matrices for glossy surfaces.
     pub transfer_order: Option<Order>,
+    /// How the bake let all surfaces reflect, in place of what materials say: the model's name in the file, and in words.
+    pub brdf: Option<(&'static str, String)>,
     /// What light paths it counts.
     pub kind: TransferKind,
     /// Rays per vertex.
@@ -68,6 +71,7 @@ pub fn describe(asset: &Asset) -> Description {
         order: transfer.order,
         channels: transfer.channels,
         transfer_order: matrices.map(|all| all.order),
+        brdf: scene.reflection_override.as_ref().map(named),
         kind: transfer.kind,
         samples: transfer.samples,
         seed: transfer.seed,
@@ -90,6 +94,35 @@ pub fn describe(asset: &Asset) -> Description {
     }
 }
 
+/// The name of a model in files, and what it is for people.
+fn named(reflection: &Reflection) -> (&'static str, String) {
+    match reflection {
+        Reflection::Diffuse => ("lambert", "diffuse".to_owned()),
+        Reflection::MetallicRoughness {
+            metallic,
+            roughness,
+        } => (
+            "ggx",
+            format!("GGX in their base colour, metalness {metallic}, roughness {roughness}"),
+        ),
+        Reflection::Fixed(Brdf::Phong(phong)) => {
+            let [diffuse, specular] = [phong.diffuse, phong.specular].map(|color| {
+                let [r, g, b] = color.to_array();
+                format!("{r},{g},{b}")
+            });
+            let exponent = phong.exponent;
+            let words =
+                format!("Phong, diffuse {diffuse}, specular {specular}, exponent {exponent}");
+            ("phong", words)
+        }
+        Reflection::Fixed(Brdf::Measured(_)) => {
+            let words = "as one that was measured (MERL), whose table is in the file";
+            ("merl", words.to_owned())
+        }
+        Reflection::Fixed(_) => ("other", "as one that files cannot hold".to_owned()),
+    }
+}
+
 impl fmt::Display for Description {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (vertices, inputs) = (self.vertices, self.input_vertices);
@@ -104,6 +137,7 @@ impl fmt::Display for Description {
         let lines = [
             ("transfer", self.kind_in_words()),
             ("matrices", self.matrices_in_words()),
+            ("surfaces", self.surfaces_in_words()),
             (
                 "basis",
                 format!(
@@ -174,6 +208,14 @@ impl Description {
         match self.transfer_order {
             Some(order) => format!("transferred radiance of order {order}, for glossy surfaces"),
             None => "none: surfaces are diffuse".to_owned(),
+        }
+    }
+
+    fn surfaces_in_words(&self) -> String {
+        match (&self.brdf, self.transfer_order) {
+            (Some((_, words)), _) => format!("all reflect alike: {words}"),
+            (None, Some(_)) => "as their materials say".to_owned(),
+            (None, None) => "diffuse, of their base colour".to_owned(),
         }
     }
 

@@ -1,4 +1,4 @@
-//! Arrays for numpy: `transfer.npz` and `radiance.npz` (docs/format.md).
+//! Arrays for numpy: `transfer.npz`, `compound.npz` and `radiance.npz` (docs/format.md).
 //!
 //! Rows are vertices: first those of the source in the order of [`World`], then those that tessellation added.
 
@@ -9,7 +9,7 @@ use npyz::WriterBuilder;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, System, ZipWriter};
 
-use super::{Asset, AssetError, header};
+use super::{Asset, AssetError, Matrices, header};
 use crate::files::write_atomically;
 use crate::scene::World;
 
@@ -42,7 +42,43 @@ pub fn export_transfer(asset: &Asset, world: &World, path: &Path) -> Result<(), 
             npz.array("back_vertex", &shape[..1], vertices)?;
             npz.floats("back_transfer", &shape, back.coefficients.iter().copied())?;
         }
-        write_header(npz, asset)
+        write_header(npz, asset, header::QUANTITY)
+    })
+}
+
+/// Writes the matrices of `shade::Compound` as `compound.npz`, with positions, normals and the basis header.
+///
+/// float32 `position`, `normal` `[V, 3]` in the space of the scene's root, `compound` `[V, 3, k², n²]`: light of order n to outgoing radiance of
+/// order k by channel; int32 `source_vertex` `[V]`, bool `valid` `[V]`; where there are double-sided surfaces int32 `back_vertex` `[B]` (rows of the
+/// others) and `back_compound` `[B, 3, k², n²]`; `outgoing_order`. The same bytes each time. `world` is that of the asset's scene.
+pub fn export_compound(
+    asset: &Asset,
+    world: &World,
+    compound: &Matrices,
+    path: &Path,
+) -> Result<(), AssetError> {
+    let transfer = &asset.transfer;
+    let (rows, count) = (Rows::new(world), transfer.order.count());
+    let stride = 3 * compound.order.count() * count;
+    fits(world, transfer.vertex_count(), "flags")?;
+    fits(world, compound.coefficients.len() / stride, "matrices")?;
+    let shape = |sides: u64| [sides, 3, compound.order.count() as u64, count as u64];
+    save(path, |npz| {
+        rows.write(npz, world, &transfer.valid)?;
+        let matrix = |i: usize| &compound.coefficients[i * stride..(i + 1) * stride];
+        let values = rows.each().flat_map(matrix).copied();
+        npz.floats("compound", &shape(rows.len()), values)?;
+        if let Some(back) = &transfer.back {
+            let places = rows.places();
+            let vertices = back.vertices.iter().map(|&v| places[v as usize]);
+            let sides = back.vertices.len() as u64;
+            npz.array("back_vertex", &[sides], vertices)?;
+            let values = compound.back.iter().copied();
+            npz.floats("back_compound", &shape(sides), values)?;
+        }
+        let outgoing = compound.order.get() as i32;
+        npz.array("outgoing_order", &[], [outgoing])?;
+        write_header(npz, asset, "radiance")
     })
 }
 
@@ -75,10 +111,10 @@ fn fits(world: &World, count: usize, what: &str) -> Result<(), AssetError> {
 }
 
 /// What every coefficient set says of itself, as arrays of no dimension.
-fn write_header(npz: &mut Npz<impl Write + Seek>, asset: &Asset) -> io::Result<()> {
+fn write_header(npz: &mut Npz<impl Write + Seek>, asset: &Asset, quantity: &str) -> io::Result<()> {
     let transfer = &asset.transfer;
     for (key, token) in header::tokens(transfer.precision) {
-        npz.text(key, token)?;
+        npz.text(key, if key == "quantity" { quantity } else { token })?;
     }
     let (kind, bounces) = header::kind(transfer.kind);
     npz.text("kind", kind)?;

@@ -9,6 +9,7 @@ mod export;
 mod fresh;
 mod gather;
 mod header;
+mod measured;
 mod merge;
 mod precision;
 mod read;
@@ -22,7 +23,7 @@ mod write;
 
 pub use describe::{Description, describe};
 pub use error::AssetError;
-pub use export::{export_radiance, export_transfer};
+pub use export::{export_compound, export_radiance, export_transfer};
 pub use gather::Gather;
 pub use precision::{PastHalf, Precision};
 pub use read::{from_glb, read};

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::header::{self, HeaderError, Meaning, Primitive};
-use super::{Asset, AssetError, beside, container, merge, strip, views};
+use super::{Asset, AssetError, beside, container, measured, merge, strip, views};
 use super::{BackTransfer, Gather, Matrices, Transfer};
 use crate::files::{Rows, printable};
 use crate::scene::gltf::{self, Maps};
@@ -71,7 +71,7 @@ fn assemble(
     path: Option<&Path>,
 ) -> Result<Asset, AssetError> {
     let headers = headers(json, &scene)?;
-    let Some((_, (meaning, _))) = headers.iter().flatten().next() else {
+    let Some((first, (meaning, _))) = headers.iter().flatten().next() else {
         return Err(AssetError::NoTransfer);
     };
     let meaning = meaning.clone();
@@ -88,6 +88,12 @@ fn assemble(
         }
         entries.push(entry.clone());
     }
+    let reflection = meaning
+        .brdf
+        .map(|brdf| brdf.reflection(|table| measured::take(&mut gathered.views, table)));
+    let reflection = reflection
+        .transpose()
+        .map_err(|what| wrong(*first, &what))?;
     let transfer = gathered.finish(json)?;
     merge::apply(&mut scene, &entries)?;
     if let Some(document) = &mut scene.document {
@@ -98,8 +104,8 @@ fn assemble(
     if let Some(albedo) = meaning.albedo {
         crate::scene::override_albedo(&mut scene, albedo)?;
     }
-    if let Some(brdf) = meaning.brdf {
-        crate::scene::override_reflection(&mut scene, brdf.reflection());
+    if let Some(reflection) = reflection {
+        crate::scene::override_reflection(&mut scene, reflection);
     }
     scene.source_hash = meaning.source_hash;
     Ok(Asset { scene, transfer })

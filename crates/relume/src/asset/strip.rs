@@ -8,7 +8,7 @@ use super::header::NAME;
 
 /// What the extension calls its buffer views.
 const ARRAYS: &[&str] = &[
-    "transfer", "matrices", "valid", "vertices", "counts", "columns", "weights",
+    "transfer", "matrices", "valid", "vertices", "counts", "columns", "weights", "table",
 ];
 
 /// Removes the extension from every node, the document and `extensionsUsed`, and its buffer views where they are the last ones and nothing else names

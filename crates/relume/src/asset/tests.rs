@@ -322,6 +322,8 @@ mod damage;
 mod docs;
 mod document;
 mod halves;
+#[cfg(feature = "bake")]
+mod measured;
 #[cfg(feature = "import")]
 mod real;
 mod refused;

@@ -66,18 +66,7 @@ impl<'a> Views<'a> {
         into: &mut Vec<f32>,
     ) -> Result<(), String> {
         let start = into.len();
-        let range = self.range(view, count, precision.bytes() * stride)?;
-        into.reserve(count * stride);
-        self.read(range, |bytes| match precision {
-            Precision::F32 => {
-                let values = bytes.as_chunks::<4>().0.iter().copied();
-                into.extend(values.map(f32::from_le_bytes));
-            }
-            Precision::F16 => {
-                let values = bytes.as_chunks::<2>().0.iter().copied();
-                into.extend(values.map(from_le_half));
-            }
-        })?;
+        self.numbers(view, (count, stride), precision, into)?;
         let wrong = |c: &f32| c.is_nan() || c.abs() > MAX_COEFFICIENT;
         match into[start..].iter().position(wrong) {
             Some(i) => {
@@ -92,6 +81,35 @@ impl<'a> Views<'a> {
             }
             None => Ok(()),
         }
+    }
+
+    /// `count` triples of f32, which may be anything.
+    pub fn triples(&mut self, view: usize, count: usize) -> Result<Vec<[f32; 3]>, String> {
+        let mut flat = Vec::new();
+        self.numbers(view, (count, 3), Precision::F32, &mut flat)?;
+        Ok(flat.as_chunks::<3>().0.to_vec())
+    }
+
+    /// Appends `count` vectors of `stride` numbers, which may be anything.
+    fn numbers(
+        &mut self,
+        view: usize,
+        (count, stride): (usize, usize),
+        precision: Precision,
+        into: &mut Vec<f32>,
+    ) -> Result<(), String> {
+        let range = self.range(view, count, precision.bytes() * stride)?;
+        into.reserve(count * stride);
+        self.read(range, |bytes| match precision {
+            Precision::F32 => {
+                let values = bytes.as_chunks::<4>().0.iter().copied();
+                into.extend(values.map(f32::from_le_bytes));
+            }
+            Precision::F16 => {
+                let values = bytes.as_chunks::<2>().0.iter().copied();
+                into.extend(values.map(from_le_half));
+            }
+        })
     }
 
     /// Appends `count` flags, bytes of 0 or 1.

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::builder::{Builder, array, malformed, object};
 use super::container::{self, Container, Part};
 use super::header::{self, Back, Beside, Meaning, Primitive};
-use super::{Asset, AssetError, Precision, Transfer, beside, fresh, tessellated};
+use super::{Asset, AssetError, Precision, Transfer, beside, fresh, measured, tessellated};
 use crate::files::{Rows, write_atomically, write_both_atomically};
 use crate::scene::{Instance, Scene};
 
@@ -108,7 +108,7 @@ pub fn predicted_size(
         other => other,
     })?;
     let mut bytes = alone.len() as u64;
-    let mut transfer = 0;
+    let mut transfer = measured::bytes(scene);
     for instance in &scene.instances {
         let mesh = &scene.meshes[instance.mesh];
         let vertices = mesh.positions.len() as u64;
@@ -179,7 +179,7 @@ fn plan(asset: &Asset, beside: Option<String>) -> Result<Builder<'_>, AssetError
         gather.put(&mut builder)?;
     }
     let mut meaning = Meaning::of(transfer, &scene.source_hash, scene.albedo_override);
-    meaning.brdf = brdf(scene)?;
+    meaning.brdf = measured::put(&mut builder, scene)?;
     meaning.beside = builder.beside().map(|bin| Beside {
         byte_length: bin.len(),
         // Not known before it is written.
@@ -193,17 +193,6 @@ fn plan(asset: &Asset, beside: Option<String>) -> Result<Builder<'_>, AssetError
     }
     builder.array("extensionsUsed")?.push(header::NAME.into());
     Ok(builder)
-}
-
-/// How all surfaces reflect, where materials do not say it.
-fn brdf(scene: &Scene) -> Result<Option<header::Brdf>, AssetError> {
-    let Some(reflection) = &scene.reflection_override else {
-        return Ok(None);
-    };
-    let brdf = header::Brdf::of(reflection);
-    let unknown = || "a BRDF that files cannot hold yet: bake with lambert, phong or ggx";
-    brdf.map(Some)
-        .ok_or_else(|| AssetError::Unwritable(unknown().to_owned()))
 }
 
 /// What the extension of each node says of its primitives; their arrays are added.

@@ -1,12 +1,17 @@
 //! Functions on a hemisphere by coefficients of the whole sphere's basis.
 
+use std::f64::consts::PI;
+
 use super::{Order, gauss_legendre, index, sh::Evaluator};
 use glam::DVec3;
 
-/// What is added to the normal equations: functions that live almost wholly below the horizon are kept from growing there.
+/// How much a change of a function below the horizon costs, beside one of as much above it, weighted by the cosine.
 ///
-/// Without it coefficients reach 1e6 at order 10, and a neighbour with another normal sees that. Larger values cost accuracy: the table of
-/// docs/performance.md has the errors for 1e-6 to 1e-2.
+/// Nothing that a surface sees speaks against it, and a fit that is free there grows without bound. A normal of another vertex or of a map, whose
+/// horizon dips below this one's, sees that. docs/performance.md has the errors for other values.
+const BELOW: f64 = 0.01;
+
+/// The same for a change anywhere, which keeps the equations well conditioned.
 const RIDGE: f64 = 1e-4;
 
 /// The least-squares fit on the hemisphere about +z, weighted by cosθ/π [sloan2003].
@@ -14,11 +19,11 @@ const RIDGE: f64 = 1e-4;
 /// The coefficients of `f` on the whole sphere spend themselves on the jump at the horizon. Those of the fit minimise
 ///
 /// ```text
-/// 1/π ∫ cosθ (f − Σ c_i Y_i)² dω  +  ridge · |c − prior|²      over the hemisphere
+/// 1/π ∫ cosθ (f − Σ c_i Y_i)² dω  +  below · ∫' (Σ (c_i − prior_i) Y_i)² dω  +  ridge · |c − prior|²
 /// ```
 ///
-/// and leave free what it is below. As a surface sees nothing of that, what a BRDF makes of the fit is what it makes of `f`, but for what its
-/// order leaves out. Irradiance, `∫ cosθ f dω`, is kept exactly, ridge or not.
+/// with ∫ over the hemisphere and ∫' over the other one, where they may do as they like within reason. As a surface sees nothing of that, what a
+/// BRDF makes of the fit is what it makes of `f`, but for what its order leaves out. Irradiance, `∫ cosθ f dω`, is kept exactly.
 #[derive(Clone, Debug)]
 pub struct Hemisphere {
     order: Order,
@@ -37,10 +42,16 @@ struct Block {
 }
 
 impl Hemisphere {
-    /// For expansions of `order`.
+    /// For expansions of `order`, with the costs of transferred radiance: 0.01 below the horizon, 1e-4 anywhere.
     pub fn new(order: Order) -> Self {
+        Self::with_costs(order, BELOW, RIDGE)
+    }
+
+    /// With costs of one's own, the ridge above 0: the smaller, the closer the fit near the horizon, and the larger what it does below. With 0
+    /// and 1e-6 coefficients reach a thousand times those of the function at order 10, which no normal but this one should see.
+    pub fn with_costs(order: Order, below: f64, ridge: f64) -> Self {
         let blocks = (0..order.get())
-            .map(|m| Block::new(order, m))
+            .map(|m| Block::new(order, m, below, ridge))
             .collect::<Vec<_>>();
         Self { order, blocks }
     }
@@ -93,11 +104,12 @@ impl Hemisphere {
 }
 
 impl Block {
-    fn new(order: Order, m: usize) -> Self {
+    fn new(order: Order, m: usize, below: f64, ridge: f64) -> Self {
         let size = order.get() - m;
-        let gram = gram(order, m);
-        let mut raised = gram.clone();
-        (0..size).for_each(|i| raised[i * (size + 1)] += RIDGE);
+        let gram = gram_of(order, m, |z| z.max(0.0));
+        let lower = gram_of(order, m, |z| if z < 0.0 { below * PI } else { 0.0 });
+        let mut raised: Vec<f64> = gram.iter().zip(&lower).map(|(g, b)| g + b).collect();
+        (0..size).for_each(|i| raised[i * (size + 1)] += ridge);
         let mut fit = inverse(&raised, size);
         if m == 0 {
             keep_irradiance(&mut fit, &gram, size);
@@ -106,19 +118,24 @@ impl Block {
     }
 }
 
-/// 1/π ∫ cosθ Y_lm Y_l'm dω over the hemisphere, for all degrees from `m` on.
-fn gram(order: Order, m: usize) -> Vec<f64> {
+/// 1/π ∫ w(z) Y_lm Y_l'm dω, for all degrees from `m` on, of a weight that is a line in z above the horizon and one below it.
+fn gram_of(order: Order, m: usize, weight: impl Fn(f64) -> f64) -> Vec<f64> {
     let size = order.get() - m;
     let evaluator = Evaluator::new(order);
     let mut y = vec![0.0; order.count()];
     let mut gram = vec![0.0; size * size];
-    // Degrees add up to 2(n−1), and the cosine is one more.
-    for (x, weight) in gauss_legendre(order.get() + 1) {
-        let z = 0.5 * (1.0 + x);
-        // At longitude 0, where cosines are 1; over longitude their squares come to π, or to 2π.
+    // Degrees add up to 2(n−1), and the weight is one more.
+    let rule = gauss_legendre(order.get() + 1).into_iter();
+    let halves = rule.flat_map(|(x, w)| [(0.5 * (1.0 + x), 0.5 * w), (-0.5 * (1.0 + x), 0.5 * w)]);
+    // Over longitude the squares of cosines come to π, or to 2π.
+    let around = if m == 0 { 2.0 } else { 1.0 };
+    for (z, share) in halves {
+        let weight = around * share * weight(z);
+        if weight == 0.0 {
+            continue;
+        }
+        // At longitude 0, where cosines are 1.
         evaluator.eval(DVec3::new(((1.0 - z) * (1.0 + z)).sqrt(), 0.0, z), &mut y);
-        let around = if m == 0 { 2.0 } else { 1.0 };
-        let weight = 0.5 * weight * z * around;
         for i in 0..size {
             for j in 0..size {
                 let (a, b) = (y[index(m + i, m as isize)], y[index(m + j, m as isize)]);
@@ -227,7 +244,8 @@ mod tests {
                     .all(|(a, b)| (a - b).abs() < 1e-12),
                 "order {n} from itself"
             );
-            // From nothing, it is found again where the hemisphere shows it.
+            // From nothing, it is found again where the hemisphere shows it, if all else is free.
+            let hemisphere = Hemisphere::with_costs(order(n), 0.0, RIDGE);
             let mut fitted = vec![0.0; n * n];
             hemisphere.fit(&moments, &mut fitted, &mut scratch);
             let (mut off, mut all) = (0.0, 0.0);
@@ -267,7 +285,8 @@ mod tests {
         });
         let whole = project(order(n), &quadrature, f);
         let (mut fitted, mut scratch) = (vec![0.0; n * n], vec![0.0; n * n]);
-        Hemisphere::new(order(n)).fit(&moments_of(n, f), &mut fitted, &mut scratch);
+        let free = Hemisphere::with_costs(order(n), 0.0, RIDGE);
+        free.fit(&moments_of(n, f), &mut fitted, &mut scratch);
         let error = |coefficients: &[f64]| -> f64 {
             let nodes = quadrature.nodes().iter();
             nodes
@@ -279,5 +298,34 @@ mod tests {
             2.0 * fitted < whole && 2.0 * fitted < cut,
             "{fitted} {cut} {whole}"
         );
+    }
+
+    #[test]
+    fn below_its_horizon_a_fit_stays_within_reason() {
+        let n = 10;
+        // Light that something blocks down to the horizon.
+        let f = |d: DVec3| f64::from(u8::from(d.x < 0.3));
+        let moments = moments_of(n, f);
+        let most = |hemisphere: Hemisphere| -> (f64, f64) {
+            let (mut fitted, mut scratch) = (vec![0.0; n * n], vec![0.0; n * n]);
+            fitted[0] = (4.0 * PI).sqrt();
+            hemisphere.fit(&moments, &mut fitted, &mut scratch);
+            let (mut below, mut off) = (0.0_f64, 0.0);
+            for &(d, weight) in Quadrature::new(60).nodes() {
+                let value = evaluate(&fitted, d);
+                if d.z < 0.0 {
+                    below = below.max(value.abs());
+                } else {
+                    off += weight * d.z * (value - f(d)).powi(2);
+                }
+            }
+            (below, off)
+        };
+        let (free, off_free) = most(Hemisphere::with_costs(order(n), 0.0, RIDGE));
+        let (held, off_held) = most(Hemisphere::new(order(n)));
+        println!("free {free} off {off_free}, held {held} off {off_held}");
+        assert!(held < 4.0 && free > 2.0 * held);
+        // Above it costs little.
+        assert!(off_held < 1.2 * off_free);
     }
 }

@@ -4,18 +4,23 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
+use std::sync::OnceLock;
 
 use glam::{DVec3, Vec3};
+use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use super::fitted::Fitted;
-use crate::files::printable;
+use crate::files::{le_bytes, printable};
 
 /// Half angle, difference angle, difference azimuth.
 const SIZES: [i32; 3] = [90, 90, 180];
-const ENTRIES: usize = 90 * 90 * 180;
+/// Entries of a table.
+pub const ENTRIES: usize = 90 * 90 * 180;
 const HEADER: usize = 12;
 const FILE_BYTES: usize = HEADER + 3 * 8 * ENTRIES;
+/// The largest value that is believed, 1/sr: that of a lobe of some hundredth of a degree, narrower than an entry.
+const LARGEST: f32 = 1e8;
 /// What an entry of the red, green and blue plane stands for, 1/sr.
 const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 
@@ -25,6 +30,8 @@ pub struct Merl {
     /// `[half angle][difference angle][difference azimuth]`, 1/sr.
     values: Vec<[f32; 3]>,
     fitted: Fitted,
+    /// Made when it is asked for first: of many materials that share the table, each asks.
+    digest: OnceLock<String>,
 }
 
 /// A measured BRDF that could not be read. Every message is one line: what, where, what to do.
@@ -136,7 +143,7 @@ impl Merl {
                 let number = f64::from_le_bytes(number);
                 let value = (number * SCALES[channel]).max(0.0) as f32;
                 // `max` would turn NaN into 0.
-                if number.is_nan() || !value.is_finite() {
+                if number.is_nan() || value > LARGEST {
                     return Err(MerlError::Value {
                         path: name.to_owned(),
                         plane: ["red", "green", "blue"][channel],
@@ -147,9 +154,38 @@ impl Merl {
                 place[channel] = value;
             }
         }
+        Ok(Self::new(values))
+    }
+
+    fn new(values: Vec<[f32; 3]>) -> Self {
         let profile = |half| sum(values[index(half, 0.0, 0.0)]);
         let fitted = Fitted::to(profile);
-        Ok(Self { values, fitted })
+        Self {
+            values,
+            fitted,
+            digest: OnceLock::new(),
+        }
+    }
+
+    /// As [`Merl::values`] had it; the end of a complaint where that is no table.
+    pub(crate) fn from_values(values: Vec<[f32; 3]>) -> Result<Self, String> {
+        if values.len() != ENTRIES {
+            let found = values.len();
+            return Err(format!("a measured BRDF of {found} entries, not {ENTRIES}"));
+        }
+        let inside = |entry: &[f32; 3]| entry.iter().all(|value| (0.0..=LARGEST).contains(value));
+        match values.iter().position(|entry| !inside(entry)) {
+            Some(i) => Err(format!(
+                "a measured BRDF whose entry {i} is {:?}, which is no reflectance",
+                values[i]
+            )),
+            None => Ok(Self::new(values)),
+        }
+    }
+
+    /// `[half angle][difference angle][difference azimuth]` by channel, 1/sr: 0…1e8.
+    pub(crate) fn values(&self) -> &[[f32; 3]] {
+        &self.values
     }
 
     pub(super) fn eval(&self, incident: DVec3, outgoing: DVec3) -> DVec3 {
@@ -166,13 +202,23 @@ impl Merl {
     }
 }
 
-/// Without the entries.
+/// With the SHA-256 of the entries in their place: checkpoints tell tables apart by it.
 impl std::fmt::Debug for Merl {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Merl")
-            .field("fitted", &self.fitted)
-            .finish_non_exhaustive()
+        let digest = self.digest.get_or_init(|| digest(&self.values));
+        f.debug_struct("Merl").field("sha256", digest).finish()
     }
+}
+
+/// SHA-256 in hex.
+fn digest(values: &[[f32; 3]]) -> String {
+    let mut hash = Sha256::new();
+    // In pieces, because a big-endian machine copies.
+    for piece in values.as_flattened().chunks(1 << 16) {
+        hash.update(le_bytes(piece));
+    }
+    let bytes = hash.finalize();
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn check_length(bytes: u64, name: &str) -> Result<(), MerlError> {

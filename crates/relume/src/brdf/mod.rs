@@ -49,6 +49,9 @@ pub use ggx::Ggx;
 pub(crate) use hemisphere::cosine_sample;
 pub use integrate::HemisphereRule;
 pub use lambert::Lambert;
+pub(crate) use merl::ENTRIES as MERL_ENTRIES;
+#[cfg(all(test, feature = "images", feature = "bake"))]
+pub(crate) use merl::tests::measured;
 pub use merl::{Merl, MerlError};
 pub use phong::Phong;
 pub use plane::LobePlane;

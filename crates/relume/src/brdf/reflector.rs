@@ -1,6 +1,5 @@
 //! What surfaces make of incident radiance, at the rate of pixels.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -98,24 +97,16 @@ impl Reflector {
         reflections: impl IntoIterator<Item = (&'a Reflection, bool)>,
         order: Order,
     ) -> Result<Vec<Arc<Self>>, Anisotropic> {
-        let mut known: BTreeMap<Option<u32>, Arc<Self>> = BTreeMap::new();
+        let mut known: Vec<(&Reflection, bool, Arc<Self>)> = Vec::new();
         let mut all = Vec::new();
         for (reflection, varies) in reflections {
-            let roughness = match reflection {
-                Reflection::Diffuse => Some(None),
-                // No roughness has the bits of this.
-                Reflection::MetallicRoughness { .. } if varies => Some(Some(u32::MAX)),
-                Reflection::MetallicRoughness { roughness, .. } => Some(Some(roughness.to_bits())),
-                // Not compared.
-                Reflection::Fixed(_) => None,
-            };
-            let reflector = match roughness.and_then(|key| known.get(&key)) {
-                Some(reflector) => reflector.clone(),
+            let mut tables = known.iter();
+            let same = tables.find(|(other, v, _)| alike((reflection, varies), (other, *v)));
+            let reflector = match same {
+                Some((.., reflector)) => reflector.clone(),
                 None => Arc::new(Self::new(reflection, varies, order)?),
             };
-            if let Some(key) = roughness {
-                known.insert(key, reflector.clone());
-            }
+            known.push((reflection, varies, reflector.clone()));
             all.push(reflector);
         }
         Ok(all)
@@ -210,10 +201,27 @@ impl Reflector {
     }
 }
 
+/// Whether two reflections have one table: those of glTF materials of any roughness, or of the same one.
+fn alike((a, a_varies): (&Reflection, bool), (b, b_varies): (&Reflection, bool)) -> bool {
+    use Reflection::{Diffuse, Fixed, MetallicRoughness};
+    match (a, b) {
+        (Diffuse, Diffuse) => true,
+        (MetallicRoughness { roughness: a, .. }, MetallicRoughness { roughness: b, .. }) => {
+            a_varies == b_varies && (a_varies || a == b)
+        }
+        (Fixed(Brdf::Phong(a)), Fixed(Brdf::Phong(b))) => a == b,
+        (Fixed(Brdf::Measured(a)), Fixed(Brdf::Measured(b))) => Arc::ptr_eq(a, b),
+        (Fixed(Brdf::Tabulated(a)), Fixed(Brdf::Tabulated(b))) => Arc::ptr_eq(a, b),
+        _ => false,
+    }
+}
+
 /// Cosine from the tangent plane that a surface is at least seen from.
+#[cfg(feature = "bake")]
 const LEAST_COSINE: f64 = 1e-3;
 
 /// The view, or where a surface's normal turns away from it, as at silhouettes or by its map, that from just above its tangent plane.
+#[cfg(feature = "bake")]
 pub(crate) fn seen_from_above(normal: DVec3, view: DVec3) -> DVec3 {
     let lift = LEAST_COSINE - normal.dot(view);
     if lift > 0.0 {
@@ -359,6 +367,13 @@ mod tests {
             metallic: 1.0,
             roughness,
         };
+        let phong = |exponent| {
+            Reflection::Fixed(Brdf::from(Phong {
+                diffuse: DVec3::ZERO,
+                specular: DVec3::ONE,
+                exponent,
+            }))
+        };
         let given = [
             (Reflection::Diffuse, false),
             (rough(0.5), false),
@@ -366,6 +381,9 @@ mod tests {
             (rough(0.6), false),
             (rough(0.5), true),
             (rough(0.6), true),
+            (phong(5.0), false),
+            (phong(6.0), false),
+            (phong(5.0), false),
         ];
         let given = given
             .iter()
@@ -373,5 +391,6 @@ mod tests {
         let all = Reflector::all(given, Order::new(2).unwrap()).unwrap();
         let same = |a: usize, b: usize| Arc::ptr_eq(&all[a], &all[b]);
         assert!(same(0, 2) && !same(1, 3) && !same(1, 4) && same(4, 5));
+        assert!(same(6, 8) && !same(6, 7));
     }
 }

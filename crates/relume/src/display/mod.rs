@@ -6,6 +6,9 @@ mod glossy;
 mod picture;
 #[cfg(feature = "bake")]
 mod raycast;
+#[cfg(test)]
+#[cfg(feature = "bake")]
+mod tests_maps;
 mod tone;
 #[cfg(feature = "images")]
 mod write;

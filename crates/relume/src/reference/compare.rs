@@ -44,7 +44,7 @@ pub struct Interval {
     pub high: f64,
 }
 
-/// One vertex, both ways. Transferred radiance, without the vertex's albedo.
+/// One vertex, both ways. Transferred radiance, without the vertex's albedo; or radiance toward an eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VertexError {
     /// Index into the world's vertices.
@@ -59,9 +59,11 @@ pub struct VertexError {
     pub standard_error: [f64; 3],
 }
 
-/// Errors of transferred radiance (irradiance / π, without albedo) over a sample of vertices and the three channels.
+/// Errors of transferred radiance (irradiance / π, without albedo), or of radiance toward an eye, over a sample of vertices and the three channels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
+    /// Where radiance was looked at from; `None` for transferred radiance.
+    pub eye: Option<DVec3>,
     /// Vertices compared.
     pub vertices: usize,
     /// Vertices left out because the bake marked them buried.
@@ -97,27 +99,17 @@ pub fn compare(
     options: &CompareOptions,
 ) -> Option<Comparison> {
     let light = light.resized(transfer.order);
-    let (chosen, invalid) = choose(world, transfer, options);
+    let (chosen, invalid) = choose(world, transfer, options, |_| true);
     if chosen.is_empty() {
         return None;
     }
     let empty = World::default();
-    let (bounces, occluders) = match transfer.kind {
-        TransferKind::Unshadowed => (0, &empty),
-        TransferKind::Shadowed { bounces } => (bounces, world),
-    };
+    let (bounces, occluders) = what_is_counted(transfer, world, &empty);
     let estimates = estimate(
         occluders,
         &receivers_at(world, &chosen),
         &sh_radiance(&light),
-        &EstimateOptions {
-            bounces,
-            paths: options.paths,
-            seed: options.seed,
-            // More replicates than the least, so that the noise that is subtracted is itself well known.
-            replicates: 16,
-            ..EstimateOptions::default()
-        },
+        &replicates_of(options, bounces),
     );
     let errors: Vec<VertexError> = chosen
         .iter()
@@ -130,22 +122,53 @@ pub fn compare(
             standard_error: reference.standard_error,
         })
         .collect();
-    let mut comparison = summarise(&errors, options);
-    comparison.invalid = invalid;
-    comparison.bounces = bounces;
-    comparison.unshadowed = transfer.kind == TransferKind::Unshadowed;
-    Some(comparison)
+    Some(Comparison {
+        invalid,
+        bounces,
+        unshadowed: transfer.kind == TransferKind::Unshadowed,
+        ..summarise(&errors, options)
+    })
 }
 
-/// A random choice among the vertices that are used and valid, ascending, and the number of those that are used and invalid.
-fn choose(world: &World, transfer: &Transfer, options: &CompareOptions) -> (Vec<usize>, usize) {
+/// The bounces that paths make, and the world that they make them in: an empty one for a transfer without shadows.
+pub(super) fn what_is_counted<'a>(
+    transfer: &Transfer,
+    world: &'a World,
+    empty: &'a World,
+) -> (u32, &'a World) {
+    match transfer.kind {
+        TransferKind::Unshadowed => (0, empty),
+        TransferKind::Shadowed { bounces } => (bounces, world),
+    }
+}
+
+/// How paths are drawn.
+pub(super) fn replicates_of(options: &CompareOptions, bounces: u32) -> EstimateOptions {
+    EstimateOptions {
+        bounces,
+        paths: options.paths,
+        seed: options.seed,
+        // More replicates than the least, so that the noise that is subtracted is itself well known.
+        replicates: 16,
+        ..EstimateOptions::default()
+    }
+}
+
+/// A random choice among the vertices that are used, valid and wanted, ascending, and the number of those that are used and wanted, but invalid.
+pub(super) fn choose(
+    world: &World,
+    transfer: &Transfer,
+    options: &CompareOptions,
+    wanted: impl Fn(usize) -> bool,
+) -> (Vec<usize>, usize) {
     let mut used = vec![false; world.positions.len()];
     for &i in world.triangles.iter().flatten() {
         used[i as usize] = true;
     }
     let valid = |v: &usize| transfer.valid[*v];
-    let (mut pool, buried): (Vec<usize>, Vec<usize>) =
-        (0..used.len()).filter(|&v| used[v]).partition(valid);
+    let (mut pool, buried): (Vec<usize>, Vec<usize>) = (0..used.len())
+        .filter(|&v| used[v] && wanted(v))
+        .partition(valid);
     let mut rng = Pcg32::new(mix(options.seed, 0x5e1e_c7ed), 1);
     // The first steps of a Fisher–Yates shuffle.
     let count = pool.len().min(options.vertices as usize);
@@ -223,7 +246,8 @@ fn ratio(a: f64, b: f64) -> f64 {
     if a == 0.0 { 0.0 } else { a / b }
 }
 
-fn summarise(errors: &[VertexError], options: &CompareOptions) -> Comparison {
+/// The figures of `errors`; what was left out and what both sides count is the caller's to say.
+pub(super) fn summarise(errors: &[VertexError], options: &CompareOptions) -> Comparison {
     let each: Vec<Sums> = errors.iter().map(Sums::of).collect();
     let all = Sums::over(each.iter().copied());
     let values = 3.0 * errors.len() as f64;
@@ -231,6 +255,7 @@ fn summarise(errors: &[VertexError], options: &CompareOptions) -> Comparison {
     worst.sort_by(|a, b| largest_difference(b).total_cmp(&largest_difference(a)));
     worst.truncate(options.worst);
     Comparison {
+        eye: None,
         vertices: errors.len(),
         invalid: 0,
         bounces: 0,

@@ -32,6 +32,7 @@ mod surfaces;
 mod tests;
 #[cfg(test)]
 mod tests_glossy;
+mod toward;
 
 pub use compare::{CompareOptions, Comparison, Interval, VertexError, compare};
 pub use estimate::{
@@ -41,3 +42,4 @@ pub use estimate::{
 pub use outgoing::{Seen, estimate_outgoing};
 pub use picture::{RenderOptions, render, render_surfaces};
 pub use surfaces::{Surfaces, diffuse_surfaces, material_surfaces};
+pub use toward::compare_toward;

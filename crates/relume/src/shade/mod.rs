@@ -1,9 +1,11 @@
 //! Transfer and light in, radiance out.
 
+mod compound;
 mod kernel;
 mod matrix;
 mod vector;
 
+pub use compound::{Compound, CompoundError, SurfaceLightField};
 pub use matrix::{Outgoing, TransferredRadiance};
 pub use vector::{
     radiance, transferred_radiance, transferred_radiance_back, transferred_radiance_batch,

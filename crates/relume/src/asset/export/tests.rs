@@ -103,6 +103,42 @@ fn the_header_stands_in_arrays_without_dimension() {
 }
 
 #[test]
+fn compound_matrices_keep_to_the_same_rows() {
+    let asset = samples::asset();
+    let world = World::new(&asset.scene);
+    let vertices = asset.transfer.vertex_count();
+    let backs = asset.transfer.back.as_ref().unwrap().vertices.len();
+    // Outgoing order 2, light of order 3.
+    let stride = 3 * 4 * 9;
+    let compound = Matrices {
+        order: crate::basis::Order::new(2).unwrap(),
+        coefficients: samples::numbers(5, vertices * stride).into(),
+        back: samples::numbers(6, backs * stride).into(),
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("compound.npz");
+    export_compound(&asset, &world, &compound, &path).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let rows = expected_rows(&world);
+    let expected: Vec<f32> = rows
+        .iter()
+        .flat_map(|&i| {
+            compound.coefficients[i * stride..][..stride]
+                .iter()
+                .copied()
+        })
+        .collect();
+    let shape = vec![vertices as u64, 3, 4, 9];
+    assert_eq!(array::<f32>(&bytes, "compound"), (shape, expected));
+    let back = array::<f32>(&bytes, "back_compound");
+    assert_eq!(back, (vec![backs as u64, 3, 4, 9], compound.back.to_vec()));
+    assert_eq!(array::<i32>(&bytes, "back_vertex").1.len(), backs);
+    assert_eq!(array::<String>(&bytes, "quantity").1, ["radiance"]);
+    assert_eq!(array::<i32>(&bytes, "outgoing_order").1, [2]);
+    assert_eq!(array::<i32>(&bytes, "order").1, [3]);
+}
+
+#[test]
 fn half_floats_are_exported_as_floats_that_say_so() {
     let mut asset = samples::asset();
     asset.transfer = asset.transfer.to_precision(Precision::F16).unwrap();

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::brdf::{self, Reflection};
+use crate::brdf::{self, Merl, Reflection};
 
 /// How all surfaces of a scene reflect.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,12 +18,17 @@ pub enum Brdf {
     },
     /// By their albedo as base colour.
     Ggx { metallic: f32, roughness: f32 },
+    /// As measured: the buffer view of the table.
+    Merl { table: usize },
 }
 
 impl Brdf {
-    /// `None` for what a header cannot hold.
-    pub fn of(reflection: &Reflection) -> Option<Self> {
-        match reflection {
+    /// `None` for what a header cannot hold; `keep` puts a table into a buffer view.
+    pub fn of<'a, E>(
+        reflection: &'a Reflection,
+        keep: impl FnOnce(&'a Merl) -> Result<usize, E>,
+    ) -> Result<Option<Self>, E> {
+        Ok(match reflection {
             Reflection::Diffuse => Some(Self::Lambert {}),
             &Reflection::MetallicRoughness {
                 metallic,
@@ -37,13 +42,21 @@ impl Brdf {
                 specular: phong.specular.to_array(),
                 exponent: phong.exponent,
             }),
+            Reflection::Fixed(brdf::Brdf::Measured(merl)) => {
+                let table = keep(merl)?;
+                Some(Self::Merl { table })
+            }
             Reflection::Fixed(_) => None,
-        }
+        })
     }
 
-    /// The reflection.
-    pub fn reflection(self) -> Reflection {
-        match self {
+    /// The reflection; `table` reads one out of a buffer view.
+    pub fn reflection<E>(
+        self,
+        table: impl FnOnce(usize) -> Result<Merl, E>,
+    ) -> Result<Reflection, E> {
+        Ok(match self {
+            Self::Merl { table: view } => Reflection::Fixed(table(view)?.into()),
             Self::Lambert {} => Reflection::Diffuse,
             Self::Phong {
                 diffuse,
@@ -61,13 +74,13 @@ impl Brdf {
                 metallic,
                 roughness,
             },
-        }
+        })
     }
 
     /// As it was, if its numbers are in their ranges.
     pub fn checked(self) -> Result<Self, String> {
         let whole = match self {
-            Self::Lambert {} => true,
+            Self::Lambert {} | Self::Merl { .. } => true,
             Self::Phong {
                 diffuse,
                 specular,

@@ -147,3 +147,54 @@ fn base_colour_textures_come_with_their_sampler_and_coordinates() {
             .any(|w| w.contains("1 base colour textures were left out"))
     );
 }
+
+#[cfg(feature = "images")]
+fn with_all_maps() -> Maker {
+    let mut maker = textured();
+    let normals = maker.floats("VEC3", &[0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0]);
+    maker.attribute("NORMAL", normals);
+    let material = &mut maker.json["materials"][1];
+    material["normalTexture"] = json!({"index": 2, "texCoord": 1, "scale": 0.5});
+    let pbr = &mut material["pbrMetallicRoughness"];
+    pbr["metallicRoughnessTexture"] = json!({"index": 0, "texCoord": 1});
+    maker
+}
+
+#[cfg(feature = "images")]
+#[test]
+fn maps_are_read_where_they_are_asked_for() {
+    let read = |maker: &Maker, maps| with_maps(&maker.glb(), maps).unwrap();
+    let maker = with_all_maps();
+    let plain = read(&maker, Maps::Color);
+    assert!(plain.materials[1].normal_texture.is_none() && plain.meshes[0].tangents.is_empty());
+    assert!(plain.materials[1].has_normal_map);
+    let scene = read(&maker, Maps::All);
+    let material = &scene.materials[1];
+    // The first sampler's image is texture 0, the last one's texture 1.
+    assert_eq!(material.metallic_roughness_texture, Some(0));
+    let normal = material.normal_texture.unwrap();
+    assert_eq!((normal.texture, normal.scale), (1, 0.5));
+    // u grows along (1, 0) and v along (0, 1) but for a shear: worked out, since the file has none.
+    let tangents = &scene.meshes[0].tangents;
+    assert_eq!(tangents.len(), 3);
+    for tangent in tangents {
+        let along = tangent.truncate();
+        assert!((along.length() - 1.0).abs() < 1e-6 && along.z == 0.0 && along.x > 0.9);
+        // v runs down the image and along +y here, so that up in it is −y.
+        assert_eq!(tangent.w, -1.0);
+    }
+
+    let mut given = with_all_maps();
+    let values = [[0.6, 0.8, 0.0, 1.0]; 3];
+    let tangents = given.floats("VEC4", values.as_flattened());
+    given.attribute("TANGENT", tangents);
+    let scene = read(&given, Maps::All);
+    assert_eq!(scene.meshes[0].tangents, values.map(glam::Vec4::from));
+
+    let mut elsewhere = with_all_maps();
+    elsewhere.json["materials"][1]["normalTexture"]["texCoord"] = 0.into();
+    let scene = read(&elsewhere, Maps::All);
+    assert!(scene.materials[1].normal_texture.is_none());
+    let told = |w: &String| w.contains("1 textures were left out: they are looked up elsewhere");
+    assert!(scene.warnings.iter().any(told), "{:?}", scene.warnings);
+}
