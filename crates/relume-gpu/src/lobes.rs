@@ -1,5 +1,7 @@
 //! Reflection as lobes in the plane of view, in textures.
 
+use std::sync::Arc;
+
 use half::f16;
 use relume::basis::Order;
 use relume::brdf::{Reflection, Reflector};
@@ -44,6 +46,41 @@ impl Lobes {
         }
     }
 
+    /// The lobes of each of some reflections for transferred radiance of `order`, and whether their roughness varies; those that are alike share theirs.
+    ///
+    /// # Errors
+    /// As [`Self::of`].
+    pub fn all(
+        &mut self,
+        gpu: &Gpu,
+        reflections: &[(&Reflection, bool)],
+        order: Order,
+    ) -> Result<Vec<BindGroup>, GpuError> {
+        check(gpu, order)?;
+        let is_fixed = |reflection: &Reflection| matches!(reflection, Reflection::Fixed(_));
+        let given = reflections.iter().copied();
+        let fixed = given.clone().filter(|(reflection, _)| is_fixed(reflection));
+        let mut fixed = Reflector::all(fixed, order)?.into_iter();
+        let mut made: Vec<(Arc<Reflector>, BindGroup)> = Vec::new();
+        let one = |(reflection, varies): (&Reflection, bool)| {
+            let own = if is_fixed(reflection) {
+                fixed.next()
+            } else {
+                None
+            };
+            let Some(reflector) = own else {
+                return self.of(gpu, (reflection, varies), order);
+            };
+            if let Some((_, group)) = made.iter().find(|(same, _)| Arc::ptr_eq(same, &reflector)) {
+                return Ok(group.clone());
+            }
+            let group = self.upload(gpu, &reflector);
+            made.push((reflector, group.clone()));
+            Ok(group)
+        };
+        given.map(one).collect()
+    }
+
     /// The lobes of a reflection for transferred radiance of `order`; where `varies`, for every roughness of a glTF material, which takes 17 times
     /// as long.
     ///
@@ -67,14 +104,7 @@ impl Lobes {
         if let Some((_, made)) = self.known.iter().find(|(known, _)| Some(*known) == key) {
             return Ok(made.clone());
         }
-        let limit = gpu.device.limits().max_texture_array_layers as usize;
-        if layers(order) > limit {
-            return Err(GpuError::Layers {
-                order: order.get(),
-                layers: layers(order),
-                limit,
-            });
-        }
+        check(gpu, order)?;
         let reflector = Reflector::new(reflection, varies, order)?;
         let group = self.upload(gpu, &reflector);
         self.known.extend(key.map(|key| (key, group.clone())));
@@ -120,6 +150,19 @@ impl Lobes {
         ];
         gpu.group("lobes", &self.layout, resources)
     }
+}
+
+/// Whether the device has layers enough.
+fn check(gpu: &Gpu, order: Order) -> Result<(), GpuError> {
+    let limit = gpu.device.limits().max_texture_array_layers as usize;
+    if layers(order) <= limit {
+        return Ok(());
+    }
+    Err(GpuError::Layers {
+        order: order.get(),
+        layers: layers(order),
+        limit,
+    })
 }
 
 /// Layers of a texture: for each degree and each four of the directions in the plane of view, one for each gray reflection.

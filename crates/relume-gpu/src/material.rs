@@ -88,7 +88,15 @@ pub fn upload(
     let images = Images::new(gpu, world, order.is_some());
     let colored = world.colors.iter().any(|&color| color != Vec3::ONE)
         || world.alphas.iter().any(|&alpha| alpha != 1.0);
-    let upload = |material: &Material| {
+    let lobes = match order {
+        Some(order) => {
+            let reflections = world.materials.iter().map(|m| (&m.reflection, varies(m)));
+            let reflections: Vec<_> = reflections.collect();
+            passes.glossy.lobes.all(gpu, &reflections, order)?
+        }
+        None => Vec::new(),
+    };
+    let upload = |(index, material): (usize, &Material)| {
         let kind = Kind {
             textured: material.base_color_texture.is_some(),
             masked: matches!(material.alpha, AlphaMode::Mask(_)),
@@ -101,29 +109,28 @@ pub fn upload(
         let glossy = order.map(|order| {
             let kind = glossy_kind(world, material, kind);
             let layout = &passes.glossy.material;
-            let reflection = (&material.reflection, kind.finish_map);
             let rough = kind.reflection == reflection::METALLIC_ROUGHNESS;
             let only = (rough && !kind.finish_map).then_some(factors.roughness);
-            let lobes = passes.glossy.lobes.of(gpu, reflection, order)?;
-            Ok::<_, GpuError>(GlossyMaterial {
+            GlossyMaterial {
                 bind_group: images.glossy_group(gpu, layout, &uniform, material),
-                baked: (lobes.clone(), only),
-                lobes,
+                baked: (lobes[index].clone(), only),
+                lobes: lobes[index].clone(),
                 pipeline: passes.glossy.surface(&gpu.device, passes.view, order, kind),
                 order,
                 kind,
-            })
+            }
         });
-        Ok(GpuMaterial {
+        GpuMaterial {
             pipeline: passes.view.surface(&gpu.device, kind),
             bind_group: images.group(gpu, &passes.view.material, &uniform, material),
-            glossy: glossy.transpose()?,
+            glossy,
             factors,
             uniform,
             kind,
-        })
+        }
     };
-    world.materials.iter().map(upload).collect()
+    let materials = world.materials.iter().enumerate();
+    Ok(materials.map(upload).collect())
 }
 
 fn factors(material: &Material) -> layouts::Material {
@@ -140,6 +147,12 @@ fn factors(material: &Material) -> layouts::Material {
     }
 }
 
+/// Whether roughness and metalness have a map that shows.
+fn varies(material: &Material) -> bool {
+    material.metallic_roughness_texture.is_some()
+        && matches!(material.reflection, Reflection::MetallicRoughness { .. })
+}
+
 fn glossy_kind(world: &World, material: &Material, kind: Kind) -> GlossyKind {
     let reflection = match material.reflection {
         Reflection::Diffuse => reflection::DIFFUSE,
@@ -149,8 +162,7 @@ fn glossy_kind(world: &World, material: &Material, kind: Kind) -> GlossyKind {
     GlossyKind {
         kind,
         reflection,
-        finish_map: reflection == reflection::METALLIC_ROUGHNESS
-            && material.metallic_roughness_texture.is_some(),
+        finish_map: varies(material),
         normal_map: material.normal_texture.is_some() && !world.tangents.is_empty(),
     }
 }
