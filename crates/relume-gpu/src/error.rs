@@ -1,5 +1,6 @@
 //! What can keep a scene or a light from the device.
 
+use relume::brdf::Anisotropic;
 use relume::display::CameraError;
 use thiserror::Error;
 
@@ -31,15 +32,38 @@ pub enum GpuError {
     },
     /// The device's textures are too small for a single vertex, or for the lights.
     #[error(
-        "{what} needs a texture {texels} texels high; this device allows {limit}: use a lower order"
+        "{what} needs a texture of {texels} texels a side; this device allows {limit}: use a lower order"
     )]
     Texture {
         /// What does not fit.
         what: &'static str,
-        /// Its height.
+        /// Its longer side.
         texels: usize,
         /// What the device allows.
         limit: usize,
+    },
+    /// Glossy surfaces of too high an order.
+    #[error(
+        "glossy surfaces of transfer order {order} need {layers} texture layers; this device allows {limit}: bake with a lower --transfer-order, or ask for a device with a higher `max_texture_array_layers`"
+    )]
+    Layers {
+        /// Of transferred radiance.
+        order: usize,
+        /// How many it needs.
+        layers: usize,
+        /// How many the device allows.
+        limit: usize,
+    },
+    /// A material that glossy transfer does not know.
+    #[error(transparent)]
+    Anisotropic(#[from] Anisotropic),
+    /// There are fewer materials.
+    #[error("there is no material {index}; the scene has {count}")]
+    NoMaterial {
+        /// The one asked for.
+        index: usize,
+        /// How many there are.
+        count: usize,
     },
     /// A light or transfer of another scene.
     #[error("{what}: {given} where the scene has {expected}")]

@@ -79,13 +79,18 @@ impl Gpu {
         );
     }
 
-    /// A uniform that does not change.
+    /// A uniform.
     pub fn uniform(&self, label: &str, value: &impl Pod) -> Buffer {
+        self.uniform_of(label, bytemuck::bytes_of(value))
+    }
+
+    /// A uniform of so many bytes.
+    pub fn uniform_of(&self, label: &str, bytes: &[u8]) -> Buffer {
         self.device
             .create_buffer_init(&wgpu::util::BufferInitDescriptor {
                 label: Some(label),
-                contents: bytemuck::bytes_of(value),
-                usage: BufferUsages::UNIFORM,
+                contents: bytes,
+                usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             })
     }
 

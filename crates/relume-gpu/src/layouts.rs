@@ -1,6 +1,7 @@
 //! Structs that the shaders read; a test holds them against the WGSL.
 
 use bytemuck::{Pod, Zeroable};
+use wgpu::{VertexBufferLayout, VertexStepMode};
 
 /// `Page` of relight.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -11,7 +12,17 @@ pub struct Page {
     pub unused: [u32; 2],
 }
 
-/// `DistantLight` of relight.wgsl: red, green and blue, each in quads.
+/// `MatrixPage` of matrices.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct MatrixPage {
+    pub first_row: u32,
+    pub across: u32,
+    pub width_log2: u32,
+    pub objects_log2: u32,
+}
+
+/// `DistantLight` of relight.wgsl and matrices.wgsl: red, green and blue, each in quads.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct DistantLight {
@@ -46,8 +57,9 @@ pub struct View {
 pub struct Material {
     pub base_color: [f32; 4],
     pub cutoff: f32,
-    pub spare: u32,
-    pub unused: [u32; 2],
+    pub metallic: f32,
+    pub roughness: f32,
+    pub normal_scale: f32,
 }
 
 /// A vertex as the view pass reads it.
@@ -62,13 +74,44 @@ pub struct Vertex {
     pub back: u32,
 }
 
+/// A corner of a triangle as the view pass of transfer matrices reads it.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct GlossyVertex {
+    pub position: [f32; 3],
+    pub uv: [f32; 2],
+    /// Linear, and alpha.
+    pub color: [f32; 4],
+    pub normal: [f32; 3],
+    /// And the sign of the bitangent, that of the triangle's first corner.
+    pub tangent: [f32; 4],
+    /// The sides of all three corners.
+    pub fronts: [u32; 3],
+    /// And behind them, or [`NO_SIDE`].
+    pub backs: [u32; 3],
+}
+
 /// No back side.
 pub const NO_SIDE: u32 = u32::MAX;
 
 impl Vertex {
     /// Attributes 0 to 3 of view.wgsl.
-    pub const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
-        wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x2, 2 => Float32x4, 3 => Uint32];
+    pub const LAYOUT: VertexBufferLayout<'static> = VertexBufferLayout {
+        array_stride: size_of::<Self>() as u64,
+        step_mode: VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x2, 2 => Float32x4, 3 => Uint32],
+    };
+}
+
+impl GlossyVertex {
+    /// Attributes 0 to 6 of glossy.wgsl.
+    pub const LAYOUT: VertexBufferLayout<'static> = VertexBufferLayout {
+        array_stride: size_of::<Self>() as u64,
+        step_mode: VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![
+            0 => Float32x3, 1 => Float32x2, 2 => Float32x4, 3 => Float32x3, 4 => Float32x4, 5 => Uint32x3, 6 => Uint32x3
+        ],
+    };
 }
 
 /// What surfaces show, as view.wgsl numbers it.
@@ -77,6 +120,13 @@ pub mod surface {
     pub const WHITE: u32 = 1;
     pub const SIGNED: u32 = 2;
     pub const ALBEDO: u32 = 3;
+}
+
+/// How surfaces of transfer matrices reflect, as glossy.wgsl numbers it.
+pub mod reflection {
+    pub const DIFFUSE: u32 = 0;
+    pub const METALLIC_ROUGHNESS: u32 = 1;
+    pub const FIXED: u32 = 2;
 }
 
 /// How colours are written, as view.wgsl numbers it.

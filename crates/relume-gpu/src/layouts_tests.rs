@@ -4,8 +4,11 @@ use std::mem::{offset_of, size_of};
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
+use relume::basis::Order;
+
 use super::*;
-use crate::pipelines::{RELIGHT, VIEW};
+use crate::glossy::source;
+use crate::pipelines::{MATRICES, RELIGHT, VIEW};
 
 fn parsed(source: &str) -> naga::Module {
     naga::front::wgsl::parse_str(source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(source)))
@@ -13,7 +16,9 @@ fn parsed(source: &str) -> naga::Module {
 
 #[test]
 fn every_shader_is_valid_without_any_extension() {
-    for source in [RELIGHT, VIEW] {
+    let glossy = [1, 2, 5, 10].map(|n| source(Order::new(n).unwrap()));
+    let plain = [RELIGHT, MATRICES, VIEW].into_iter();
+    for source in plain.chain(glossy.iter().map(String::as_str)) {
         let validated =
             Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&parsed(source));
         if let Err(error) = validated {
@@ -62,6 +67,16 @@ fn structs_lie_as_the_shaders_read_them() {
         }
     );
     check!(RELIGHT, DistantLight { quads });
+    check!(MATRICES, DistantLight { quads });
+    check!(
+        MATRICES,
+        MatrixPage {
+            first_row,
+            across,
+            width_log2,
+            objects_log2
+        }
+    );
     check!(
         VIEW,
         View {
@@ -82,16 +97,18 @@ fn structs_lie_as_the_shaders_read_them() {
         Material {
             base_color,
             cutoff,
-            spare,
-            unused
+            metallic,
+            roughness,
+            normal_scale
         }
     );
     assert_eq!(size_of::<Vertex>(), 40);
+    assert_eq!(size_of::<GlossyVertex>(), 88);
 }
 
 #[test]
 fn numbers_have_the_shaders_names() {
-    let module = parsed(VIEW);
+    let module = parsed(&source(Order::new(3).unwrap()));
     let value = |name: &str| {
         let constants = module.constants.iter().map(|(_, constant)| constant);
         let constant = constants
@@ -111,6 +128,9 @@ fn numbers_have_the_shaders_names() {
         ("LINEAR", encoding::LINEAR),
         ("ENCODED", encoding::ENCODED),
         ("NO_SIDE", NO_SIDE),
+        ("DIFFUSE", reflection::DIFFUSE),
+        ("METALLIC_ROUGHNESS", reflection::METALLIC_ROUGHNESS),
+        ("FIXED", reflection::FIXED),
     ] {
         assert_eq!(value(name), number, "{name}");
     }

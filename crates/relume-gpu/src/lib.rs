@@ -6,8 +6,9 @@
 //! World ──upload──▶ vertices, triangles, materials ─────────────────────────────────────┴─ view pass ──▶ picture
 //! ```
 //!
-//! The relight pass runs when the light changes and writes one texel per side of a surface; the view pass multiplies by albedo and draws. There
-//! are no storage buffers and no compute: one data path for every back end. No window, no user interface, no globals: an application hands in
+//! The relight pass runs when the light changes and writes one texel per side of a surface; the view pass multiplies by albedo and draws. An asset
+//! with transfer matrices is glossy: its relight pass writes the coefficients of transferred radiance, and the view pass interpolates them and
+//! reflects them at every pixel, by the material, its maps and the view there. There are no storage buffers and no compute: one data path for every back end. No window, no user interface, no globals: an application hands in
 //! its device, its queue and its render pass.
 //!
 //! ```no_run
@@ -40,16 +41,22 @@
 )]
 
 mod background;
+mod blocks;
 mod error;
+mod glossy;
 mod gpu;
+mod images;
 mod layouts;
 mod light;
+mod lobes;
 mod look;
 mod material;
+mod matrices;
 mod mesh;
 mod offscreen;
 mod order;
 mod pages;
+mod pipeline;
 mod pipelines;
 mod renderer;
 mod ring;
@@ -58,6 +65,7 @@ mod transfer;
 
 pub use error::GpuError;
 pub use look::{Look, Surface};
+pub use material::MaterialEdit;
 pub use offscreen::Offscreen;
 pub use renderer::Renderer;
 

@@ -14,6 +14,10 @@ use crate::transfer::GpuTransfer;
 pub struct GpuLight {
     pub pipeline: RenderPipeline,
     bound: Bound,
+    /// For the transfer's matrices, where it has some.
+    pub matrices: Option<RenderPipeline>,
+    /// Pages like those of the matrices, for light by vertex.
+    matrix_pages: Vec<BindGroup>,
 }
 
 /// What a light is bound as.
@@ -34,6 +38,7 @@ impl GpuLight {
         transfer: &GpuTransfer,
         light: &IncidentLight,
     ) -> Result<Self, GpuError> {
+        let mut matrix_pages = Vec::new();
         let (lit, bound) = match light {
             IncidentLight::Distant(light) => {
                 let offset = distant(gpu, relight, transfer, light);
@@ -45,14 +50,29 @@ impl GpuLight {
             }
             IncidentLight::PerVertex(light) => {
                 let groups = by_vertex(gpu, relight, transfer, light)?;
+                if let Some(matrices) = &transfer.matrices {
+                    let vertex = |side| transfer.vertex(side);
+                    matrix_pages = matrices.vertex_light(gpu, relight, light, vertex);
+                }
                 (Lit::Vertices, Bound::Vertices(groups))
             }
             _ => return Err(GpuError::UnknownLight),
         };
+        let size = transfer.matrices.as_ref().map(|all| all.blocks.size);
         Ok(Self {
             pipeline: relight.pipeline(&gpu.device, lit, transfer.shape),
+            matrices: size.map(|size| relight.matrices(&gpu.device, lit, size)),
             bound,
+            matrix_pages,
         })
+    }
+
+    /// Binds what a page of matrices is lit with.
+    pub fn bind_matrices(&self, pass: &mut RenderPass, relight: &Relight, page: usize) {
+        match self.matrix_pages.get(page) {
+            Some(group) => pass.set_bind_group(1, group, &[]),
+            None => self.bind(pass, relight, page),
+        }
     }
 
     /// Binds what a page of transfer is lit with.

@@ -1,180 +1,214 @@
-//! Base colours on the device.
+//! Materials on the device, and edits of them.
 
 use glam::Vec3;
-use relume::display::srgb_code;
-use relume::scene::{AlphaMode, Material, Sampler, Texture, World, Wrap, srgb_to_linear};
-use wgpu::{BindGroup, BindingResource, RenderPipeline, TextureView};
+use relume::basis::Order;
+use relume::brdf::Reflection;
+use relume::scene::{AlphaMode, Material, World};
+use wgpu::{BindGroup, Buffer, RenderPipeline};
 
-use crate::gpu::{Gpu, whole};
-use crate::layouts;
+use crate::GpuError;
+use crate::glossy::{GlossyKind, GlossyPass};
+use crate::gpu::Gpu;
+use crate::images::Images;
+use crate::layouts::{self, reflection};
 use crate::pipelines::{Kind, ViewPass};
+
+/// What of a material can be changed while it is looked at.
+///
+/// Light that a surface reflects onto others keeps to the material that was baked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MaterialEdit {
+    /// Linear base colour factor, without alpha. A material with a BRDF of its own does not look at it where surfaces are glossy.
+    pub base_color: [f32; 3],
+    /// Factor of metalness, 0…1. Only glossy surfaces with a glTF material have it.
+    pub metallic: f32,
+    /// Factor of roughness, 0…1, as metalness.
+    pub roughness: f32,
+    /// Whether its textures count: base colour, roughness and metalness, normals. The holes of a mask stay.
+    pub maps: bool,
+}
+
+impl From<&Material> for MaterialEdit {
+    /// As it was baked.
+    fn from(material: &Material) -> Self {
+        let [r, g, b, _] = material.base_color;
+        let (metallic, roughness) = match material.reflection {
+            Reflection::MetallicRoughness {
+                metallic,
+                roughness,
+            } => (metallic, roughness),
+            _ => (0.0, 1.0),
+        };
+        Self {
+            base_color: [r, g, b],
+            metallic,
+            roughness,
+            maps: true,
+        }
+    }
+}
 
 /// A material on the device.
 pub struct GpuMaterial {
     pub pipeline: RenderPipeline,
     pub bind_group: BindGroup,
+    /// For transfer matrices.
+    pub glossy: Option<GlossyMaterial>,
+    factors: layouts::Material,
+    uniform: Buffer,
+    /// As it was uploaded.
+    kind: Kind,
 }
 
-/// Every material of `world`; `backs` says whether any vertex has a back side.
-pub fn upload(gpu: &Gpu, view: &mut ViewPass, world: &World, backs: bool) -> Vec<GpuMaterial> {
-    let white = Texture {
-        width: 1,
-        height: 1,
-        texels: vec![[255; 4]],
-        sampler: Sampler::default(),
-    };
-    let mut views: Vec<TextureView> = world.textures.iter().map(|t| image(gpu, t)).collect();
-    views.push(image(gpu, &white));
+/// What more surfaces of transfer matrices take.
+pub struct GlossyMaterial {
+    pub pipeline: RenderPipeline,
+    pub bind_group: BindGroup,
+    pub lobes: BindGroup,
+    order: Order,
+    kind: GlossyKind,
+    /// The lobes it was uploaded with, and the only roughness they are of, if there is one.
+    baked: (BindGroup, Option<f32>),
+}
+
+/// What has the pipelines of materials.
+pub struct Passes<'a> {
+    pub view: &'a mut ViewPass,
+    pub glossy: &'a mut GlossyPass,
+}
+
+/// Every material of `world`; `backs` says whether any vertex has a back side, `order` is that of transferred radiance, where there are matrices.
+pub fn upload(
+    gpu: &Gpu,
+    passes: &mut Passes,
+    world: &World,
+    backs: bool,
+    order: Option<Order>,
+) -> Result<Vec<GpuMaterial>, GpuError> {
+    let images = Images::new(gpu, world, order.is_some());
     let colored = world.colors.iter().any(|&color| color != Vec3::ONE)
         || world.alphas.iter().any(|&alpha| alpha != 1.0);
-    let upload = |material: &Material| {
-        let image = material.base_color_texture.unwrap_or(world.textures.len());
-        let texture = world.textures.get(image).unwrap_or(&white);
+    let lobes = match order {
+        Some(order) => {
+            let reflections = world.materials.iter().map(|m| (&m.reflection, varies(m)));
+            let reflections: Vec<_> = reflections.collect();
+            passes.glossy.lobes.all(gpu, &reflections, order)?
+        }
+        None => Vec::new(),
+    };
+    let upload = |(index, material): (usize, &Material)| {
         let kind = Kind {
             textured: material.base_color_texture.is_some(),
             masked: matches!(material.alpha, AlphaMode::Mask(_)),
             two_sided: material.double_sided && backs,
             colored,
+            bare: false,
         };
+        let factors = factors(material);
+        let uniform = gpu.uniform("material", &factors);
+        let glossy = order.map(|order| {
+            let kind = glossy_kind(world, material, kind);
+            let layout = &passes.glossy.material;
+            let rough = kind.reflection == reflection::METALLIC_ROUGHNESS;
+            let only = (rough && !kind.finish_map).then_some(factors.roughness);
+            GlossyMaterial {
+                bind_group: images.glossy_group(gpu, layout, &uniform, material),
+                baked: (lobes[index].clone(), only),
+                lobes: lobes[index].clone(),
+                pipeline: passes.glossy.surface(&gpu.device, passes.view, order, kind),
+                order,
+                kind,
+            }
+        });
         GpuMaterial {
-            pipeline: view.surface(&gpu.device, kind),
-            bind_group: bind_group(gpu, view, material, &views[image], texture.sampler),
+            pipeline: passes.view.surface(&gpu.device, kind),
+            bind_group: images.group(gpu, &passes.view.material, &uniform, material),
+            glossy,
+            factors,
+            uniform,
+            kind,
         }
     };
-    world.materials.iter().map(upload).collect()
+    let materials = world.materials.iter().enumerate();
+    Ok(materials.map(upload).collect())
 }
 
-fn bind_group(
-    gpu: &Gpu,
-    layouts: &ViewPass,
-    material: &Material,
-    image: &TextureView,
-    sampler: Sampler,
-) -> BindGroup {
-    let factors = layouts::Material {
+fn factors(material: &Material) -> layouts::Material {
+    let edit = MaterialEdit::from(material);
+    layouts::Material {
         base_color: material.base_color,
         cutoff: match material.alpha {
             AlphaMode::Opaque => -1.0,
             AlphaMode::Mask(cutoff) => cutoff,
         },
-        spare: 0,
-        unused: [0; 2],
-    };
-    let factors = gpu.uniform("material", &factors);
-    let sampler = gpu.device.create_sampler(&sampling(sampler));
-    let resources = [
-        (0, factors.as_entire_binding()),
-        (1, BindingResource::TextureView(image)),
-        (2, BindingResource::Sampler(&sampler)),
-    ];
-    gpu.group("material", &layouts.material, resources)
-}
-
-fn sampling(sampler: Sampler) -> wgpu::SamplerDescriptor<'static> {
-    let address = |wrap| match wrap {
-        Wrap::Clamp => wgpu::AddressMode::ClampToEdge,
-        Wrap::Repeat => wgpu::AddressMode::Repeat,
-        Wrap::Mirror => wgpu::AddressMode::MirrorRepeat,
-    };
-    let near = if sampler.nearest {
-        wgpu::FilterMode::Nearest
-    } else {
-        wgpu::FilterMode::Linear
-    };
-    wgpu::SamplerDescriptor {
-        label: Some("base color"),
-        address_mode_u: address(sampler.wrap_u),
-        address_mode_v: address(sampler.wrap_v),
-        mag_filter: near,
-        min_filter: near,
-        mipmap_filter: wgpu::MipmapFilterMode::Linear,
-        ..wgpu::SamplerDescriptor::default()
+        metallic: edit.metallic,
+        roughness: edit.roughness,
+        normal_scale: material.normal_texture.map_or(1.0, |map| map.scale),
     }
 }
 
-/// A level of a texture: sRGB colour and linear alpha.
-struct Level {
-    width: u32,
-    height: u32,
-    texels: Vec<[u8; 4]>,
+/// Whether roughness and metalness have a map that shows.
+fn varies(material: &Material) -> bool {
+    material.metallic_roughness_texture.is_some()
+        && matches!(material.reflection, Reflection::MetallicRoughness { .. })
 }
 
-impl Level {
-    /// Half the size: each texel the mean of four, of light rather than of codes.
-    fn halved(&self) -> Self {
-        let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
-        let texel = |x: u32, y: u32| {
-            let at = |dx: u32, dy: u32| {
-                let x = (2 * x + dx).min(self.width - 1);
-                let y = (2 * y + dy).min(self.height - 1);
-                self.texels[y as usize * self.width as usize + x as usize]
-            };
-            let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
-            std::array::from_fn(|channel| {
-                let codes = four.map(|texel| texel[channel]);
-                if channel == 3 {
-                    let sum: u32 = codes.iter().map(|&a| u32::from(a)).sum();
-                    return ((sum + 2) / 4) as u8;
+fn glossy_kind(world: &World, material: &Material, kind: Kind) -> GlossyKind {
+    let reflection = match material.reflection {
+        Reflection::Diffuse => reflection::DIFFUSE,
+        Reflection::MetallicRoughness { .. } => reflection::METALLIC_ROUGHNESS,
+        Reflection::Fixed(_) => reflection::FIXED,
+    };
+    GlossyKind {
+        kind,
+        reflection,
+        finish_map: varies(material),
+        normal_map: material.normal_texture.is_some() && !world.tangents.is_empty(),
+    }
+}
+
+impl GpuMaterial {
+    /// Changes the factors, the lobes with the first change of roughness, and the pipelines where maps come or go.
+    pub fn edit(
+        &mut self,
+        gpu: &Gpu,
+        passes: &mut Passes,
+        edit: &MaterialEdit,
+    ) -> Result<(), GpuError> {
+        if let Some(glossy) = &mut self.glossy {
+            glossy.lobes = match &glossy.baked {
+                (_, Some(only)) if *only != edit.roughness => {
+                    let any = Reflection::MetallicRoughness {
+                        metallic: 1.0,
+                        roughness: 1.0,
+                    };
+                    passes.glossy.lobes.of(gpu, (&any, true), glossy.order)?
                 }
-                let light = codes.map(|code| f64::from(srgb_to_linear(code)));
-                srgb_code(light.iter().sum::<f64>() / 4.0)
-            })
-        };
-        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        Self {
-            width,
-            height,
-            texels: places.map(|(x, y)| texel(x, y)).collect(),
+                (baked, _) => baked.clone(),
+            };
         }
-    }
-}
-
-/// The texture with all its smaller levels; one too large for the device starts at the first that fits.
-fn image(gpu: &Gpu, texture: &Texture) -> TextureView {
-    let mut level = Level {
-        width: texture.width,
-        height: texture.height,
-        texels: texture.texels.clone(),
-    };
-    while level.width.max(level.height) as usize > gpu.largest_texture() {
-        level = level.halved();
-    }
-    let levels = level.width.max(level.height).ilog2() + 1;
-    let image = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("base color"),
-        size: wgpu::Extent3d {
-            width: level.width,
-            height: level.height,
-            depth_or_array_layers: 1,
-        },
-        mip_level_count: levels,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8UnormSrgb,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    for i in 0..levels {
-        gpu.write_level(&image, (i, 0), level.width, level.texels.as_flattened());
-        level = level.halved();
-    }
-    whole(&image)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_half_is_the_mean_of_light_and_not_of_codes() {
-        let level = Level {
-            width: 3,
-            height: 2,
-            texels: vec![[0; 4], [255; 4], [9; 4], [255; 4], [0; 4], [9; 4]],
+        let [r, g, b] = edit.base_color;
+        self.factors.base_color = [r, g, b, self.factors.base_color[3]];
+        self.factors.metallic = edit.metallic;
+        self.factors.roughness = edit.roughness;
+        let bytes = bytemuck::bytes_of(&self.factors);
+        gpu.queue.write_buffer(&self.uniform, 0, bytes);
+        let kind = Kind {
+            textured: self.kind.textured && (edit.maps || self.kind.masked),
+            bare: self.kind.textured && self.kind.masked && !edit.maps,
+            ..self.kind
         };
-        let half = level.halved();
-        assert_eq!((half.width, half.height), (1, 1));
-        // Half of the light is code 188, half of alpha 128.
-        assert_eq!(half.texels, [[188, 188, 188, 128]]);
+        self.pipeline = passes.view.surface(&gpu.device, kind);
+        if let Some(glossy) = &mut self.glossy {
+            let kind = GlossyKind {
+                kind,
+                finish_map: glossy.kind.finish_map && edit.maps,
+                normal_map: glossy.kind.normal_map && edit.maps,
+                ..glossy.kind
+            };
+            let (view, order) = (&*passes.view, glossy.order);
+            glossy.pipeline = passes.glossy.surface(&gpu.device, view, order, kind);
+        }
+        Ok(())
     }
 }

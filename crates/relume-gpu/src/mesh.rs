@@ -16,7 +16,8 @@ pub struct Mesh {
     pub triangles: Buffer,
     /// For each material that has triangles: its index, and its range of indices.
     pub groups: Vec<(usize, std::ops::Range<u32>)>,
-    indices: Vec<[u32; 3]>,
+    /// The triangles in that order.
+    pub indices: Vec<[u32; 3]>,
     edges: OnceCell<Edges>,
 }
 
@@ -100,7 +101,8 @@ fn vertices(world: &World, backs: &[u32]) -> Vec<Vertex> {
     vertices
 }
 
-fn buffer(
+/// A buffer of `what`.
+pub fn buffer(
     device: &Device,
     what: &'static str,
     bytes: &[u8],

@@ -1,21 +1,25 @@
 //! Shaders, bind group layouts and pipelines: everything that depends on the device and the target alone.
 
 use std::mem::size_of;
-use std::num::NonZeroU64;
 
 use wgpu::{
-    BindGroupLayout, BindGroupLayoutEntry, BindingType, BufferBindingType, Device,
-    PrimitiveTopology, RenderPipeline, SamplerBindingType, ShaderModule, ShaderStages,
-    TextureFormat, TextureSampleType, TextureViewDimension,
+    BindGroupLayout, Device, PrimitiveTopology, RenderPipeline, ShaderModule, ShaderStages,
+    TextureFormat, TextureSampleType,
 };
 
+use crate::Target;
+use crate::blocks::Size;
 use crate::gpu::Gpu;
 use crate::layouts::{DistantLight, Material, Page, Vertex, View, encoding};
+use crate::pipeline::{
+    Depth, EXACT, FILTERED, Pipeline, layout, sampler, shader, texture, uniform,
+};
 use crate::ring::Ring;
-use crate::{DEPTH_FORMAT, Target};
 
 /// The relight pass.
 pub const RELIGHT: &str = include_str!("shaders/relight.wgsl");
+/// The relight pass of transfer matrices.
+pub const MATRICES: &str = include_str!("shaders/matrices.wgsl");
 /// The view pass.
 pub const VIEW: &str = include_str!("shaders/view.wgsl");
 
@@ -25,6 +29,9 @@ pub const RADIANCE_FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
 /// Relight pipelines, for each kind of light, and what is bound to them.
 pub struct Relight {
     shader: ShaderModule,
+    /// Of matrices, made when it is first asked for.
+    matrix_shader: Option<ShaderModule>,
+    /// Of vectors and of matrices alike.
     pub page: BindGroupLayout,
     /// For [`Lit::Distant`], [`Lit::Objects`] and [`Lit::Vertices`].
     lights: [BindGroupLayout; 3],
@@ -32,6 +39,7 @@ pub struct Relight {
     pub distant: Ring,
     /// Those that were asked for.
     pipelines: Vec<((Lit, Shape), RenderPipeline)>,
+    matrix_pipelines: Vec<((Lit, Size), RenderPipeline)>,
 }
 
 /// Kinds of light.
@@ -53,7 +61,7 @@ pub struct Shape {
 /// The pipelines of the view pass and what is bound to them.
 pub struct ViewPass {
     shader: ShaderModule,
-    target: Target,
+    pub target: Target,
     pub view: BindGroupLayout,
     pub radiance: BindGroupLayout,
     pub material: BindGroupLayout,
@@ -71,6 +79,8 @@ pub struct Kind {
     pub masked: bool,
     pub two_sided: bool,
     pub colored: bool,
+    /// Its texture is there for the holes of its mask alone.
+    pub bare: bool,
 }
 
 impl Relight {
@@ -86,6 +96,7 @@ impl Relight {
         let distant = layout(device, "distant light", &[distant]);
         Self {
             shader: shader(device, "relight", RELIGHT),
+            matrix_shader: None,
             page: layout(device, "page", &page),
             distant: Ring::new(gpu, "distant light", &distant, size_of::<DistantLight>()),
             lights: [
@@ -94,6 +105,7 @@ impl Relight {
                 layout(device, "light by vertex", &[light]),
             ],
             pipelines: Vec::new(),
+            matrix_pipelines: Vec::new(),
         }
     }
 
@@ -111,11 +123,7 @@ impl Relight {
         let pipeline = Pipeline {
             shader: &self.shader,
             vertex: "cover",
-            fragment: match lit {
-                Lit::Distant => "relight_distant",
-                Lit::Objects => "relight_objects",
-                Lit::Vertices => "relight_vertices",
-            },
+            fragment: lit.entry_point(),
             groups: &[&self.page, self.light(lit)],
             target: RADIANCE_FORMAT.into(),
             mesh: None,
@@ -129,6 +137,45 @@ impl Relight {
         self.pipelines.push(((lit, shape), pipeline.clone()));
         pipeline
     }
+
+    /// The pipeline of matrices for a kind of light, made when it is first asked for.
+    pub fn matrices(&mut self, device: &Device, lit: Lit, size: Size) -> RenderPipeline {
+        let known = &self.matrix_pipelines;
+        if let Some((_, made)) = known.iter().find(|(key, _)| *key == (lit, size)) {
+            return made.clone();
+        }
+        let shader = self
+            .matrix_shader
+            .get_or_insert_with(|| shader(device, "relight matrices", MATRICES));
+        let pipeline = Pipeline {
+            shader,
+            vertex: "cover",
+            fragment: lit.entry_point(),
+            groups: &[&self.page, &self.lights[lit as usize]],
+            target: RADIANCE_FORMAT.into(),
+            mesh: None,
+            depth: None,
+            constants: &[
+                ("CHANNELS", size.channels as f64),
+                ("COLUMNS", size.columns as f64),
+                ("QUADS", size.quads as f64),
+            ],
+        };
+        let pipeline = pipeline.create(device);
+        self.matrix_pipelines.push(((lit, size), pipeline.clone()));
+        pipeline
+    }
+}
+
+impl Lit {
+    /// Of relight.wgsl and of matrices.wgsl.
+    fn entry_point(self) -> &'static str {
+        match self {
+            Self::Distant => "relight_distant",
+            Self::Objects => "relight_objects",
+            Self::Vertices => "relight_vertices",
+        }
+    }
 }
 
 impl ViewPass {
@@ -141,10 +188,9 @@ impl ViewPass {
             "radiance",
             &[texture(0, ShaderStages::VERTEX, TextureSampleType::Uint)],
         );
-        let filtered = TextureSampleType::Float { filterable: true };
         let sampled = |first: u32| {
             let fragment = ShaderStages::FRAGMENT;
-            [texture(first, fragment, filtered), sampler(first + 1)]
+            [texture(first, fragment, FILTERED), sampler(first + 1)]
         };
         let [image, filter] = sampled(1);
         let factors = uniform::<Material>(0, ShaderStages::FRAGMENT, false);
@@ -163,7 +209,7 @@ impl ViewPass {
             };
             pipeline.create(device)
         };
-        let lines = Some(PrimitiveTopology::LineList);
+        let lines = Some((Vertex::LAYOUT, PrimitiveTopology::LineList));
         let wire = overlay("vertex", "wire", &[&view, &radiance], lines);
         let sky = overlay("behind", "sky", &[&view, &background], None);
         Self {
@@ -190,7 +236,7 @@ impl ViewPass {
             fragment: "surface",
             groups: &[&self.view, &self.radiance, &self.material],
             target: self.target,
-            mesh: Some(PrimitiveTopology::TriangleList),
+            mesh: Some((Vertex::LAYOUT, PrimitiveTopology::TriangleList)),
             depth: Some(Depth::Nearer),
             constants: &kind.constants(self.target),
         };
@@ -202,148 +248,16 @@ impl ViewPass {
 
 impl Kind {
     /// The constants of view.wgsl.
-    fn constants(self, target: Target) -> [(&'static str, f64); 5] {
+    pub fn constants(self, target: Target) -> [(&'static str, f64); 6] {
         [
             ("ENCODING", written(target.format).into()),
             ("TEXTURED", f64::from(u8::from(self.textured))),
             ("MASKED", f64::from(u8::from(self.masked))),
             ("TWO_SIDED", f64::from(u8::from(self.two_sided))),
             ("COLORED", f64::from(u8::from(self.colored))),
+            ("BARE", f64::from(u8::from(self.bare))),
         ]
     }
-}
-
-/// Texels that are read as they are.
-const EXACT: TextureSampleType = TextureSampleType::Float { filterable: false };
-
-/// How a pipeline treats depth, which is reversed: 1 at the eye's plane, 0 infinitely far.
-#[derive(Clone, Copy)]
-enum Depth {
-    /// What is nearer than what is there, and stays there.
-    Nearer,
-    /// What is as near as what is there; leaves no trace.
-    NotFarther,
-}
-
-/// What differs between pipelines.
-struct Pipeline<'a> {
-    shader: &'a ShaderModule,
-    vertex: &'a str,
-    fragment: &'a str,
-    groups: &'a [&'a BindGroupLayout],
-    target: Target,
-    /// How vertices are joined; `None` where the shader makes a triangle of its own.
-    mesh: Option<PrimitiveTopology>,
-    depth: Option<Depth>,
-    constants: &'a [(&'a str, f64)],
-}
-
-impl Pipeline<'_> {
-    fn create(&self, device: &Device) -> RenderPipeline {
-        let groups: Vec<_> = self.groups.iter().copied().map(Some).collect();
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(self.fragment),
-            bind_group_layouts: &groups,
-            immediate_size: 0,
-        });
-        let vertices = wgpu::VertexBufferLayout {
-            array_stride: size_of::<Vertex>() as u64,
-            step_mode: wgpu::VertexStepMode::Vertex,
-            attributes: &Vertex::ATTRIBUTES,
-        };
-        let buffers = self.mesh.map(|_| Some(vertices));
-        let depth_stencil = self.depth.map(|depth| wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(matches!(depth, Depth::Nearer)),
-            depth_compare: Some(match depth {
-                Depth::Nearer => wgpu::CompareFunction::Greater,
-                Depth::NotFarther => wgpu::CompareFunction::GreaterEqual,
-            }),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        });
-        let compilation_options = wgpu::PipelineCompilationOptions {
-            constants: self.constants,
-            ..wgpu::PipelineCompilationOptions::default()
-        };
-        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(self.fragment),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: self.shader,
-                entry_point: Some(self.vertex),
-                compilation_options: compilation_options.clone(),
-                buffers: buffers.as_slice(),
-            },
-            primitive: wgpu::PrimitiveState {
-                topology: self.mesh.unwrap_or_default(),
-                ..wgpu::PrimitiveState::default()
-            },
-            depth_stencil,
-            multisample: wgpu::MultisampleState {
-                count: self.target.samples,
-                ..wgpu::MultisampleState::default()
-            },
-            fragment: Some(wgpu::FragmentState {
-                module: self.shader,
-                entry_point: Some(self.fragment),
-                compilation_options,
-                targets: &[Some(self.target.format.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
-    }
-}
-
-fn shader(device: &Device, label: &str, source: &str) -> ShaderModule {
-    device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(label),
-        source: wgpu::ShaderSource::Wgsl(source.into()),
-    })
-}
-
-fn layout(device: &Device, label: &str, entries: &[BindGroupLayoutEntry]) -> BindGroupLayout {
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some(label),
-        entries,
-    })
-}
-
-fn entry(binding: u32, visibility: ShaderStages, ty: BindingType) -> BindGroupLayoutEntry {
-    BindGroupLayoutEntry {
-        binding,
-        visibility,
-        ty,
-        count: None,
-    }
-}
-
-fn uniform<T>(binding: u32, visibility: ShaderStages, many: bool) -> BindGroupLayoutEntry {
-    let ty = BindingType::Buffer {
-        ty: BufferBindingType::Uniform,
-        has_dynamic_offset: many,
-        min_binding_size: NonZeroU64::new(size_of::<T>() as u64),
-    };
-    entry(binding, visibility, ty)
-}
-
-fn texture(
-    binding: u32,
-    visibility: ShaderStages,
-    sample_type: TextureSampleType,
-) -> BindGroupLayoutEntry {
-    let ty = BindingType::Texture {
-        sample_type,
-        view_dimension: TextureViewDimension::D2,
-        multisampled: false,
-    };
-    entry(binding, visibility, ty)
-}
-
-fn sampler(binding: u32) -> BindGroupLayoutEntry {
-    let ty = BindingType::Sampler(SamplerBindingType::Filtering);
-    entry(binding, ShaderStages::FRAGMENT, ty)
 }
 
 /// How a target's colours are written: floats hold radiance, sRGB formats encode by themselves, the others hold codes.

@@ -2,27 +2,30 @@
 
 use glam::DMat3;
 use relume::asset::Transfer;
+use relume::basis::Order;
 use relume::display::Camera;
 use relume::light::{Environment, IncidentLight};
 use relume::scene::World;
-use wgpu::{BindGroup, BindingResource, Device, Queue, RenderPass};
+use wgpu::{BindGroup, BindingResource, Buffer, Device, Queue, RenderPass};
 
 use crate::background::Background;
+use crate::glossy::{self, GlossyPass};
 use crate::gpu::Gpu;
 use crate::layouts::View;
 use crate::light::GpuLight;
-use crate::material::{self, GpuMaterial};
+use crate::material::{self, GpuMaterial, Passes};
 use crate::mesh::Mesh;
 use crate::pipelines::{Relight, ViewPass};
 use crate::ring::Ring;
 use crate::transfer::GpuTransfer;
-use crate::{GpuError, Look, Target};
+use crate::{GpuError, Look, MaterialEdit, Surface, Target};
 
 /// Draws one baked scene in changing light.
 pub struct Renderer {
     gpu: Gpu,
     relight: Relight,
     view: ViewPass,
+    glossy: GlossyPass,
     views: Ring,
     background: Option<Background>,
     scene: Option<Scene>,
@@ -35,6 +38,16 @@ struct Scene {
     transfer: GpuTransfer,
     radiance: BindGroup,
     light: Option<GpuLight>,
+    /// Where transfer matrices were uploaded.
+    glossy: Option<Glossy>,
+}
+
+/// What surfaces of transfer matrices are drawn from.
+struct Glossy {
+    order: Order,
+    corners: Buffer,
+    /// `None` while a transfer without matrices is shown.
+    transferred: Option<BindGroup>,
 }
 
 impl Renderer {
@@ -47,6 +60,7 @@ impl Renderer {
         };
         let view = ViewPass::new(device, target);
         Self {
+            glossy: GlossyPass::new(&gpu, target),
             relight: Relight::new(&gpu),
             views: Ring::new(&gpu, "views", &view.view, size_of::<View>()),
             gpu,
@@ -64,8 +78,21 @@ impl Renderer {
         let uploaded = self.transfer(world.positions.len(), transfer)?;
         let mesh = Mesh::new(&self.gpu.device, world, &uploaded.backs)?;
         let backs = !uploaded.backs.is_empty();
-        let materials = material::upload(&self.gpu, &mut self.view, world, backs);
+        let order = uploaded.matrices.as_ref().map(|matrices| matrices.order);
+        let mut passes = Passes {
+            view: &mut self.view,
+            glossy: &mut self.glossy,
+        };
+        let materials = material::upload(&self.gpu, &mut passes, world, backs, order)?;
+        let glossy = order.map(|order| {
+            Ok::<_, GpuError>(Glossy {
+                order,
+                corners: glossy::corners(&self.gpu, world, &mesh, &uploaded.backs)?,
+                transferred: self.transferred_group(&uploaded),
+            })
+        });
         self.scene = Some(Scene {
+            glossy: glossy.transpose()?,
             radiance: self.radiance_group(&uploaded),
             mesh,
             materials,
@@ -79,7 +106,7 @@ impl Renderer {
     /// [`Self::set_light`].
     ///
     /// # Errors
-    /// As [`Self::upload`], and where the vertices that have a back side are others.
+    /// As [`Self::upload`], and where the vertices that have a back side are others, or there are matrices of another order than those uploaded.
     pub fn set_transfer(&mut self, transfer: &Transfer) -> Result<(), GpuError> {
         let scene = self.scene.as_ref().ok_or(GpuError::NoScene)?;
         let uploaded = self.transfer(scene.transfer.vertices, transfer)?;
@@ -90,11 +117,44 @@ impl Renderer {
                 expected: scene.transfer.backs.len(),
             });
         }
+        if let Some(matrices) = &uploaded.matrices {
+            let expected = scene.glossy.as_ref().map(|glossy| glossy.order);
+            if expected != Some(matrices.order) {
+                return Err(GpuError::Mismatch {
+                    what: "the order of transfer matrices",
+                    given: matrices.order.get(),
+                    expected: expected.map_or(0, Order::get),
+                });
+            }
+        }
         let radiance = self.radiance_group(&uploaded);
+        let transferred = self.transferred_group(&uploaded);
         if let Some(scene) = &mut self.scene {
             (scene.transfer, scene.radiance, scene.light) = (uploaded, radiance, None);
+            if let Some(glossy) = &mut scene.glossy {
+                glossy.transferred = transferred;
+            }
         }
         Ok(())
+    }
+
+    /// Changes how a material of the scene looks, by its index in [`World::materials`]. [`Self::upload`] brings back what was baked, as does
+    /// `MaterialEdit::from(&world.materials[index])`.
+    ///
+    /// Takes no time, but for the first change of roughness at a transfer order, which tabulates reflection at every roughness: seconds at order 10.
+    ///
+    /// # Errors
+    /// No scene, or no such material.
+    pub fn set_material(&mut self, index: usize, edit: &MaterialEdit) -> Result<(), GpuError> {
+        let scene = self.scene.as_mut().ok_or(GpuError::NoScene)?;
+        let count = scene.materials.len();
+        let material = scene.materials.get_mut(index);
+        let material = material.ok_or(GpuError::NoMaterial { index, count })?;
+        let mut passes = Passes {
+            view: &mut self.view,
+            glossy: &mut self.glossy,
+        };
+        material.edit(&self.gpu, &mut passes, edit)
     }
 
     fn transfer(&self, vertices: usize, transfer: &Transfer) -> Result<GpuTransfer, GpuError> {
@@ -112,6 +172,11 @@ impl Renderer {
         let radiance = BindingResource::TextureView(&transfer.radiance);
         self.gpu
             .group("radiance", &self.view.radiance, [(0, radiance)])
+    }
+
+    fn transferred_group(&self, transfer: &GpuTransfer) -> Option<BindGroup> {
+        let matrices = transfer.matrices.as_ref()?;
+        Some(self.glossy.group(&self.gpu, matrices))
     }
 
     /// Relights the scene: [`Self::stage_light`] and [`Self::relight`], submitted.
@@ -185,7 +250,7 @@ impl Renderer {
         let offset = self.views.write(&self.gpu, bytemuck::bytes_of(&uniform));
         pass.set_bind_group(0, &self.views.bind_group, &[offset]);
         if let Some(scene) = &self.scene {
-            self.draw_scene(pass, scene, look.wireframe)?;
+            self.draw_scene(pass, scene, look)?;
         }
         if look.background
             && let Some(background) = &self.background
@@ -201,23 +266,53 @@ impl Renderer {
         &self,
         pass: &mut RenderPass,
         scene: &Scene,
-        wireframe: bool,
+        look: &Look,
     ) -> Result<(), GpuError> {
-        pass.set_bind_group(1, &scene.radiance, &[]);
-        pass.set_vertex_buffer(0, scene.mesh.vertices.slice(..));
-        pass.set_index_buffer(scene.mesh.triangles.slice(..), wgpu::IndexFormat::Uint32);
-        for (material, indices) in &scene.mesh.groups {
-            let material = &scene.materials[*material];
-            pass.set_pipeline(&material.pipeline);
-            pass.set_bind_group(2, &material.bind_group, &[]);
-            pass.draw_indexed(indices.clone(), 0, 0..1);
+        let glossy = scene.glossy.as_ref();
+        let transferred = glossy.and_then(|glossy| Some((glossy, glossy.transferred.as_ref()?)));
+        match transferred {
+            // What else surfaces show is the diffuse part.
+            Some((glossy, transferred)) if look.surface == Surface::Shaded => {
+                pass.set_bind_group(1, transferred, &[]);
+                pass.set_vertex_buffer(0, glossy.corners.slice(..));
+                scene.draw_glossy(pass);
+            }
+            _ => scene.draw_diffuse(pass),
         }
-        if wireframe {
+        if look.wireframe {
             let edges = scene.mesh.edges(&self.gpu.device)?;
             pass.set_pipeline(&self.view.wire);
+            pass.set_bind_group(1, &scene.radiance, &[]);
+            pass.set_vertex_buffer(0, scene.mesh.vertices.slice(..));
             pass.set_index_buffer(edges.lines.slice(..), wgpu::IndexFormat::Uint32);
             pass.draw_indexed(0..edges.count, 0, 0..1);
         }
         Ok(())
+    }
+}
+
+impl Scene {
+    fn draw_diffuse(&self, pass: &mut RenderPass) {
+        pass.set_bind_group(1, &self.radiance, &[]);
+        pass.set_vertex_buffer(0, self.mesh.vertices.slice(..));
+        pass.set_index_buffer(self.mesh.triangles.slice(..), wgpu::IndexFormat::Uint32);
+        for (material, indices) in &self.mesh.groups {
+            let material = &self.materials[*material];
+            pass.set_pipeline(&material.pipeline);
+            pass.set_bind_group(2, &material.bind_group, &[]);
+            pass.draw_indexed(indices.clone(), 0, 0..1);
+        }
+    }
+
+    /// Corners stand in the order of the indices.
+    fn draw_glossy(&self, pass: &mut RenderPass) {
+        for (material, corners) in &self.mesh.groups {
+            if let Some(material) = &self.materials[*material].glossy {
+                pass.set_pipeline(&material.pipeline);
+                pass.set_bind_group(2, &material.bind_group, &[]);
+                pass.set_bind_group(3, &material.lobes, &[]);
+                pass.draw(corners.clone(), 0..1);
+            }
+        }
     }
 }

@@ -8,6 +8,7 @@ use crate::GpuError;
 use crate::gpu::{Gpu, whole};
 use crate::layouts::Page;
 use crate::light::GpuLight;
+use crate::matrices::GpuMatrices;
 use crate::pages::Pages;
 use crate::pipelines::{RADIANCE_FORMAT, Relight, Shape};
 use crate::sides::Layout;
@@ -22,6 +23,7 @@ pub struct GpuTransfer {
     /// The vertex of each back side; these sides follow the fronts.
     pub backs: Vec<u32>,
     pub radiance: TextureView,
+    pub matrices: Option<GpuMatrices>,
     parts: Vec<Part>,
 }
 
@@ -65,6 +67,7 @@ impl GpuTransfer {
             Part { rows, bind_group }
         };
         let parts = pages.pages().map(part).collect();
+        let matrices = GpuMatrices::new(gpu, layouts, transfer, pages.width)?;
         let size = (pages.width, pages.height());
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let radiance = gpu.texture("radiance", size, RADIANCE_FORMAT, usage);
@@ -78,6 +81,7 @@ impl GpuTransfer {
             vertices,
             backs: backs.to_vec(),
             radiance: whole(&radiance),
+            matrices,
             parts,
         })
     }
@@ -90,8 +94,30 @@ impl GpuTransfer {
         }
     }
 
-    /// Encodes the relight pass: the radiance of every side.
+    /// Encodes the relight passes: the radiance of every side, and, where there are matrices, its transferred radiance.
     pub fn relight(
+        &self,
+        encoder: &mut CommandEncoder,
+        layouts: &Relight,
+        light: &GpuLight,
+        timestamps: Option<RenderPassTimestampWrites>,
+    ) {
+        let Some(matrices) = &self.matrices else {
+            return self.relight_vectors(encoder, layouts, light, timestamps);
+        };
+        // Timed as one.
+        let (mut begin, mut end) = (timestamps.clone(), timestamps);
+        if let (Some(begin), Some(end)) = (&mut begin, &mut end) {
+            (
+                begin.end_of_pass_write_index,
+                end.beginning_of_pass_write_index,
+            ) = (None, None);
+        }
+        self.relight_vectors(encoder, layouts, light, begin);
+        matrices.relight(encoder, layouts, light, end);
+    }
+
+    fn relight_vectors(
         &self,
         encoder: &mut CommandEncoder,
         layouts: &Relight,

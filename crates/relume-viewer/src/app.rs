@@ -4,7 +4,7 @@ use eframe::egui;
 use relume::bake::BakeOptions;
 use relume::display::Camera;
 use relume::light::Environment;
-use relume_gpu::{Look, Surface};
+use relume_gpu::{Look, MaterialEdit, Surface};
 use web_time::Instant;
 
 #[cfg(not(target_arch = "wasm32"))]
@@ -65,6 +65,8 @@ pub struct Viewer {
     pub(crate) navigation: Navigation,
     pub(crate) look: Look,
     pub(crate) paths: Paths,
+    /// How each material of the scene looks now.
+    pub(crate) materials: Vec<MaterialEdit>,
     pub(crate) jobs: Jobs,
     pub(crate) messages: Messages,
     pub(crate) frames: Frames,
@@ -108,6 +110,7 @@ impl Viewer {
                 ..Look::default()
             },
             paths: Paths::default(),
+            materials: Vec::new(),
             jobs,
             messages: Messages::default(),
             frames: Frames::default(),
@@ -173,9 +176,18 @@ impl Viewer {
         if let Some(lighting) = &mut self.lighting {
             lighting.fit(content.asset.transfer.order);
         }
+        let materials = content.world.materials.iter();
+        self.materials = materials.map(MaterialEdit::from).collect();
         self.content = Some(content);
         self.light_changed = true;
         self.suit_exposure();
+    }
+
+    /// Changes how a material looks, until another scene is opened.
+    pub(crate) fn edit_material(&mut self, index: usize, edit: &MaterialEdit) {
+        if let Err(error) = self.stage.set_material(index, edit) {
+            self.messages.error(error.to_string());
+        }
     }
 
     fn take_light(&mut self, name: String, environment: Environment) {

@@ -60,6 +60,8 @@ pub struct Choices {
     pub samples: u32,
     /// Interreflections.
     pub bounces: u32,
+    /// Transfer matrices, for materials that are not diffuse.
+    pub glossy: bool,
 }
 
 impl Default for Choices {
@@ -68,6 +70,7 @@ impl Default for Choices {
             order: 5,
             samples: 256,
             bounces: 2,
+            glossy: false,
         }
     }
 }
@@ -156,13 +159,16 @@ impl Worker {
     }
 
     fn scene(&self, scene: Scene, choices: Choices) -> Result<Event, BakeError> {
+        let world = World::new(&scene);
+        let order = Order::new(choices.order).unwrap_or(BakeOptions::default().order);
         let options = BakeOptions {
-            order: Order::new(choices.order).unwrap_or(BakeOptions::default().order),
+            order,
             samples: choices.samples,
             bounces: choices.bounces,
+            transfer_order: choices.glossy.then(|| transfer_order(&world, order)),
             ..BakeOptions::default()
         };
-        let transfer = self.transfer(&World::new(&scene), &options)?;
+        let transfer = self.transfer(&world, &options)?;
         let asset = Asset { scene, transfer };
         Ok(Event::Scene(Box::new(Content::new(
             self.name.clone(),
@@ -186,4 +192,14 @@ impl Worker {
         };
         bake(world, options, &monitor).map(|baked| baked.transfer)
     }
+}
+
+/// The transfer order that shows every material, from that of the light to 10: matrices grow by its square.
+fn transfer_order(world: &World, light: Order) -> Order {
+    let most = Order::new(10).unwrap_or(light);
+    let of = |material: &scene::Material| {
+        let reflection = material.typical_reflection(&world.textures);
+        reflection.bandwidth(most).unwrap_or(most)
+    };
+    world.materials.iter().map(of).fold(light, Order::max)
 }

@@ -98,11 +98,12 @@ impl Content {
             samples: transfer.samples.max(1),
             seed: transfer.seed,
             bounces: 0,
+            transfer_order: transfer.matrices.as_ref().map(|matrices| matrices.order),
             ..BakeOptions::default()
         }
     }
 
-    /// The closed form casts no ray, so it takes no time worth a progress bar.
+    /// The diffuse part alone: matrices would take their time. The closed form casts no ray, so it takes no time worth a progress bar.
     fn without_shadows(&self) -> Option<Transfer> {
         let options = BakeOptions {
             order: self.asset.transfer.order,

@@ -50,6 +50,7 @@ pub fn graphics() -> eframe::egui_wgpu::WgpuConfiguration {
             required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
             required_limits: wgpu::Limits {
                 max_texture_dimension_2d: allowed.max_texture_dimension_2d,
+                max_texture_array_layers: allowed.max_texture_array_layers,
                 max_buffer_size: allowed.max_buffer_size,
                 ..base.using_alignment(allowed)
             },

@@ -6,7 +6,7 @@ use eframe::egui;
 use eframe::egui_wgpu::RenderState;
 use relume::display::Camera;
 use relume::light::{IncidentLight, ShLight};
-use relume_gpu::{GpuError, Look, Offscreen, Renderer, Target};
+use relume_gpu::{GpuError, Look, MaterialEdit, Offscreen, Renderer, Target};
 
 use crate::content::{Content, Paths};
 use crate::timer::Timer;
@@ -97,6 +97,14 @@ impl Stage {
             Some(transfer) => self.renderer.set_transfer(transfer),
             None => Ok(()),
         }
+    }
+
+    /// Changes how a material looks.
+    ///
+    /// # Errors
+    /// No such material.
+    pub fn set_material(&mut self, index: usize, edit: &MaterialEdit) -> Result<(), GpuError> {
+        self.renderer.set_material(index, edit)
     }
 
     /// What stands behind the scene.

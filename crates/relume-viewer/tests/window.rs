@@ -9,7 +9,11 @@ use std::process::{Child, Command, Output, Stdio};
 use relume::asset::{self, Asset};
 use relume::bake::trace::Tracer;
 use relume::bake::{BakeOptions, Monitor, bake};
-use relume::display::{self, Camera, RaycastOptions, ToneMap, VertexRadiance};
+use relume::basis::Order;
+use relume::brdf::Reflection;
+use relume::display::{
+    self, Camera, GlossyRadiance, Radiance, RaycastOptions, ToneMap, VertexRadiance,
+};
 use relume::light::{self, IncidentLight};
 use relume::scene::{World, bundled};
 
@@ -73,12 +77,22 @@ impl Drop for Display {
     }
 }
 
-/// A ball over a floor, baked.
-fn baked() -> Asset {
-    let scene = bundled::plane_under_sphere(0.5, 0.7, 2.0, 48, 0.6);
+/// A ball over a floor, baked; with a transfer order of metal.
+fn baked(transfer_order: Option<usize>) -> Asset {
+    let mut scene = bundled::plane_under_sphere(0.5, 0.7, 2.0, 48, 0.6);
+    if transfer_order.is_some() {
+        for material in &mut scene.materials {
+            material.metallic = 1.0;
+            material.reflection = Reflection::MetallicRoughness {
+                metallic: 1.0,
+                roughness: 0.4,
+            };
+        }
+    }
     let options = BakeOptions {
         samples: 64,
         bounces: 1,
+        transfer_order: transfer_order.map(|n| Order::new(n).unwrap()),
         ..BakeOptions::default()
     };
     let monitor = Monitor {
@@ -98,7 +112,12 @@ fn expected(asset: &Asset, exposure: f32) -> Vec<[u8; 3]> {
         .unwrap()
         .0;
     let incident = IncidentLight::Distant(sky.project(asset.transfer.order));
-    let radiance = VertexRadiance::new(&asset.transfer, &incident);
+    let diffuse = VertexRadiance::new(&asset.transfer, &incident);
+    let outgoing = display::outgoing(&world, &asset.transfer).unwrap();
+    let glossy = outgoing
+        .as_ref()
+        .and_then(|outgoing| GlossyRadiance::new(outgoing, &asset.transfer, &incident));
+    let radiance: &dyn Radiance = glossy.as_ref().map_or(&diffuse, |glossy| glossy);
     let options = RaycastOptions {
         width: SIZE.0,
         height: SIZE.1,
@@ -107,7 +126,7 @@ fn expected(asset: &Asset, exposure: f32) -> Vec<[u8; 3]> {
     let camera = Camera::framing(&world, SIZE.0 as f32 / SIZE.1 as f32);
     let behind = |direction| sky.radiance(direction);
     let tracer = Tracer::new(&world);
-    let picture = display::render(&world, &tracer, &radiance, &behind, &camera, &options).unwrap();
+    let picture = display::render(&world, &tracer, radiance, &behind, &camera, &options).unwrap();
     let tone = ToneMap { exposure };
     picture.pixels.iter().map(|&p| tone.encode(p)).collect()
 }
@@ -118,9 +137,16 @@ fn a_window_shows_the_asset_as_the_cpu_sees_it() {
     let Some(display) = Display::open(test) else {
         return;
     };
+    for transfer_order in [None, Some(5)] {
+        shows(&display, test, &baked(transfer_order));
+    }
+}
+
+fn shows(display: &Display, test: &str, asset: &Asset) {
     let folder = tempfile::tempdir().unwrap();
-    let asset = baked();
-    asset::write(&asset, &folder.path().join("ball.glb")).unwrap();
+    let file = folder.path().join("ball.glb");
+    asset::write(asset, &file).unwrap();
+    let asset = &asset::read(&file).unwrap();
     let line =
         "ball.glb --light sky:30,3 --exposure -1 --no-panels --size 480x270 --screenshot look.png";
     let output = display.view(folder.path(), line);
@@ -134,7 +160,7 @@ fn a_window_shows_the_asset_as_the_cpu_sees_it() {
         .unwrap()
         .to_rgb8();
     assert_eq!(picture.dimensions(), SIZE);
-    let expected = expected(&asset, -1.0);
+    let expected = expected(asset, -1.0);
     let off: Vec<u8> = picture
         .pixels()
         .zip(&expected)

@@ -1,6 +1,8 @@
 //! What a frame costs when the light turns every frame, against the same mesh under a plain Lambert shader.
 //!
-//!     cargo run --release -p relume-gpu --example frame_time -- MESH [FRAMES]
+//!     cargo run --release -p relume-gpu --example frame_time -- MESH [FRAMES [TRANSFER_ORDER]]
+//!
+//! With a transfer order surfaces are metal, and the one line is of matrices for light of order 5.
 //!
 //! 1280 × 720 pixels, one sample each, no window; `WGPU_BACKEND` chooses vulkan, gl, metal or dx12. A frame turns the light's coefficients on the CPU,
 //! stages them, runs the relight pass and the view pass, and waits for the device. The kinds of frames take turns; each line is
@@ -18,9 +20,10 @@ use glam::DMat3;
 use relume::asset::Transfer;
 use relume::bake::{self, BakeOptions, Monitor};
 use relume::basis::Order;
+use relume::brdf::Reflection;
 use relume::display::Camera;
 use relume::light::{self, IncidentLight, LightOptions, ShLight};
-use relume::scene::{self, ImportOptions, World};
+use relume::scene::{self, ImportOptions, Material, World};
 use relume_gpu::{Look, Offscreen, Renderer, Target};
 use wgpu::TextureFormat;
 
@@ -40,7 +43,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let path = arguments.next().ok_or("which mesh?")?;
     let frames: usize = arguments.next().map_or(Ok(200), |n| n.parse())?;
-    let scene = scene::load(path.as_ref(), &ImportOptions::default())?;
+    let glossy: Option<usize> = arguments.next().map(|n| n.parse()).transpose()?;
+    let glossy = glossy.map(Order::new).transpose()?;
+    let mut scene = scene::load(path.as_ref(), &ImportOptions::default())?;
+    if glossy.is_some() {
+        scene.materials.iter_mut().for_each(make_metal);
+    }
     let world = World::new(&scene);
     let sky = light::load(&"sky:30,3".parse()?, &LightOptions::default())?.0;
 
@@ -52,22 +60,36 @@ fn main() -> Result<(), Box<dyn Error>> {
         bench.watch.adapter
     );
     println!("order\tchannels\tframe\tp99\trelight\tview\tlambert\tprice");
-    for order in [4, 5, 10] {
-        for channels in [1, 3] {
-            let order = Order::new(order)?;
-            let transfer = transfer(&world, order, channels)?;
-            bench.renderer.upload(&world, &transfer)?;
-            let times = bench.run(&sky.project(order), frames)?;
-            println!("{}\t{channels}\t{times}", order.get());
-        }
+    let rows: &[(usize, usize)] = match glossy {
+        Some(_) => &[(5, 1)],
+        None => &[(4, 1), (4, 3), (5, 1), (5, 3), (10, 1), (10, 3)],
+    };
+    for &(order, channels) in rows {
+        let order = Order::new(order)?;
+        let transfer = transfer(&world, (order, glossy), channels)?;
+        bench.renderer.upload(&world, &transfer)?;
+        let times = bench.run(&sky.project(order), frames)?;
+        println!("{}\t{channels}\t{times}", order.get());
     }
     Ok(())
 }
 
+fn make_metal(material: &mut Material) {
+    material.reflection = Reflection::MetallicRoughness {
+        metallic: 1.0,
+        roughness: 0.4,
+    };
+}
+
 /// A transfer of the right size. What is in it does not matter here, so it is made quickly.
-fn transfer(world: &World, order: Order, channels: usize) -> Result<Transfer, Box<dyn Error>> {
+fn transfer(
+    world: &World,
+    (order, transfer_order): (Order, Option<Order>),
+    channels: usize,
+) -> Result<Transfer, Box<dyn Error>> {
     let options = BakeOptions {
         order,
+        transfer_order,
         samples: 16,
         shadows: channels == 3,
         bounces: u32::from(channels == 3),

@@ -8,6 +8,8 @@ override TEXTURED: bool;
 override MASKED: bool;
 override TWO_SIDED: bool;
 override COLORED: bool;
+// Textures are not shown, but for the holes of a mask.
+override BARE: bool;
 
 struct View {
     // From the offset of a point from the eye.
@@ -41,8 +43,10 @@ struct Material {
     base_color: vec4f,
     // Where alpha is below it there is no surface, if the material is masked.
     cutoff: f32,
-    spare: u32,
-    unused: vec2u,
+    // Only glossy surfaces read these; the last multiplies x and y of the normal map.
+    metallic: f32,
+    roughness: f32,
+    normal_scale: f32,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -98,7 +102,8 @@ fn surface(seen: Seen, @builtin(front_facing) is_front: bool) -> @location(0) ve
         color *= seen.color;
     }
     if TEXTURED {
-        color *= textureSample(base_color, base_color_sampler, seen.uv);
+        let texel = textureSample(base_color, base_color_sampler, seen.uv);
+        color *= select(texel, vec4f(1.0, 1.0, 1.0, texel.a), BARE);
     }
     if MASKED && color.a < material.cutoff {
         discard;

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use relume::bake::trace::Tracer;
-use relume::display::{self, Camera, Picture, RaycastOptions, ToneMap, VertexRadiance};
+use relume::display::{self, Camera, Picture, Radiance, RaycastOptions, ToneMap};
 use relume::scene::World;
 
 use crate::device::Drawn;
@@ -22,7 +22,7 @@ impl Expected {
     /// One ray through the middle of each pixel, and four that are `off` pixels aside.
     pub fn new(
         world: &World,
-        radiance: &VertexRadiance,
+        radiance: &dyn Radiance,
         background: &(dyn Fn(Vec3) -> [f32; 3] + Sync),
         camera: &Camera,
         (width, height): (u32, u32),

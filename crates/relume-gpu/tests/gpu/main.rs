@@ -5,6 +5,7 @@
 mod compare;
 mod device;
 mod features;
+mod glossy;
 mod golden;
 mod lights;
 mod limits;

@@ -1,7 +1,7 @@
 //! Scenes and transfers to draw.
 
 use glam::Vec3;
-use relume::asset::{BackTransfer, Precision, Provenance, Transfer, TransferKind};
+use relume::asset::{BackTransfer, Matrices, Precision, Provenance, Transfer, TransferKind};
 use relume::basis::Order;
 use relume::display::Camera;
 use relume::light::{IncidentLight, ShLight};
@@ -61,6 +61,33 @@ pub fn transfer(world: &World, order: usize, channels: usize, backs: bool) -> Tr
         gather: None,
         matrices: None,
     }
+}
+
+/// [`transfer`] with matrices of order `rows`, made in the same way.
+pub fn matrices(world: &World, (order, rows): (usize, usize), channels: usize) -> Transfer {
+    let mut transfer = transfer(world, order, channels, true);
+    let rows = Order::new(rows).unwrap();
+    let (columns, rows_count) = (transfer.order.count(), rows.count());
+    let matrix = |i: usize, side: f32| {
+        let p = world.positions[i];
+        (0..channels * rows_count * columns).map(move |k| {
+            let (row, column) = (k / columns % rows_count, k % columns);
+            let wave = Vec3::new(noise(3 * k), noise(3 * k + 1), noise(3 * k + 2)).dot(p) * 2.0;
+            let mean = if row == column { 0.8 } else { 0.0 };
+            let small = 0.2 / ((row + 1) as f32 * (column + 1) as f32).sqrt();
+            side * (mean + small * (wave + noise(k + 7919)).sin())
+        })
+    };
+    let of = |vertices: &mut dyn Iterator<Item = usize>, side| -> Vec<f32> {
+        vertices.flat_map(|v| matrix(v, side)).collect()
+    };
+    let backs = transfer.back.iter().flat_map(|back| &back.vertices);
+    transfer.matrices = Some(Matrices {
+        order: rows,
+        back: of(&mut backs.map(|&v| v as usize), 0.6).into(),
+        coefficients: of(&mut (0..world.positions.len()), 1.0).into(),
+    });
+    transfer
 }
 
 /// A light of every degree, other in every channel.

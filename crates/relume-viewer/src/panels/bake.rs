@@ -21,6 +21,12 @@ pub fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
             ui.label("Bounces");
             ui.add(egui::Slider::new(&mut choices.bounces, 0..=6));
             ui.end_row();
+            ui.label("Glossy");
+            let glossy = ui.checkbox(&mut choices.glossy, "matrices");
+            glossy.on_hover_text(
+                "surfaces shine as their materials say; many times the memory and the time",
+            );
+            ui.end_row();
         });
     let again = viewer.unbaked.clone();
     if let Some(baking) = &viewer.baking {

@@ -5,6 +5,7 @@ mod bake;
 pub mod drop;
 mod help;
 mod light;
+mod materials;
 pub mod messages;
 pub mod pointer;
 mod scene;
@@ -111,6 +112,7 @@ fn contents(viewer: &mut Viewer, ui: &mut egui::Ui) {
         bake::show(viewer, ui);
     });
     section(ui, "Light", true, |ui| light::show(viewer, ui));
+    section(ui, "Materials", false, |ui| materials::show(viewer, ui));
     section(ui, "View", true, |ui| view::show(viewer, ui));
     section(ui, "Times", true, |ui| times::show(viewer, ui));
 }

@@ -45,7 +45,9 @@ fn facts(content: &Content, ui: &mut egui::Ui) {
         TransferKind::Shadowed { bounces: 1 } => "1 bounce".to_owned(),
         TransferKind::Shadowed { bounces } => format!("{bounces} bounces"),
     };
-    let bytes = transfer.coefficients.len() * transfer.precision.bytes();
+    let matrices = transfer.matrices.as_ref();
+    let numbers = transfer.coefficients.len() + matrices.map_or(0, |m| m.coefficients.len());
+    let bytes = numbers * transfer.precision.bytes();
     ui.weak(format!(
         "{} vertices, {} triangles\norder {}, {} × {}, {paths}, {:.1} MB of transfer",
         transfer.vertex_count(),
@@ -55,8 +57,8 @@ fn facts(content: &Content, ui: &mut egui::Ui) {
         transfer.precision.token(),
         bytes as f64 / 1e6,
     ));
-    if transfer.matrices.is_some() {
-        ui.label("A glossy asset, shown as if it were diffuse; relume render shows all of it.");
+    if let Some(matrices) = matrices {
+        ui.weak(format!("glossy, transfer order {}", matrices.order.get()));
     }
 }
 

@@ -11,6 +11,11 @@ use crate::navigation::Mode;
 pub fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
     // Rows of a grid do not wrap.
     ui.horizontal_wrapped(|ui| paths(viewer, ui));
+    let content = viewer.content.as_ref();
+    let glossy = content.is_some_and(|c| c.asset.transfer.matrices.is_some());
+    if glossy && viewer.paths == Paths::Unshadowed {
+        ui.weak("Without shadows: as if all were diffuse.");
+    }
     egui::Grid::new("view").num_columns(2).show(ui, |ui| {
         ui.label("Exposure");
         ui.horizontal(|ui| {
