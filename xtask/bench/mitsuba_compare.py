@@ -128,6 +128,10 @@ def rms(values):
     return float(np.sqrt(np.mean(np.square(values, dtype=np.float64))))
 
 
+def heading():
+    print(f"{'':<20} {'relative RMS':>14} {'reference’s error':>18} {'without it':>14}")
+
+
 def row(name, part, runs):
     """Prints one line of the table; the figures are relative to the RMS of the reference."""
     mean = (runs[0] + runs[1]) / 2
@@ -165,7 +169,7 @@ def compare(tool, arguments, mesh):
         f"{case.file.name}: order {arguments.order}, {arguments.samples} samples, {len(chosen)} of {len(direct['valid'])} "
         f"vertices, 2 × {arguments.paths} reference paths"
     )
-    print(f"{'':<20} {'relative RMS':>14} {'reference’s error':>18} {'without it':>14}")
+    heading()
     row("direct", direct["transfer"][chosen].astype(float), list(run.values()))
     if arguments.bounces > 0:
         bounced = ours(arguments, case, arguments.bounces)
