@@ -47,6 +47,7 @@ def parse():
     parser.add_argument("--samples", type=int, default=1024, help="rays per vertex of ours")
     parser.add_argument("--bounces", type=int, default=2, help="0 compares direct light alone")
     parser.add_argument("--vertices", type=int, default=100, help="how many are compared")
+    parser.add_argument("--facing", type=float, default=0.0, help="the least cosine between their normals and the view")
     parser.add_argument("--paths", type=int, default=32768, help="per vertex, in each of the reference's two runs")
     parser.add_argument("--method", choices=["path", "bsdf"], default="path", help="bsdf: no emitter sampling, light by its coefficients")
     parser.add_argument("--eps", type=float, default=1e-6, help="the reference's ray offset over the mesh's diagonal")
@@ -84,8 +85,9 @@ class Case:
         positions, normals = self.vertices["position"], self.vertices["normal"]
         low, high = positions.min(0).astype(float), positions.max(0).astype(float)
         self.eye = ((low + high) / 2 + np.array(EYE) * np.linalg.norm(high - low)).round(4)
-        facing = np.sum(normals * (self.eye - positions), axis=1) > 0
-        self.vertices["valid"] = self.vertices["valid"] & facing
+        view = self.eye - positions
+        cosine = np.sum(normals * view, axis=1) / np.linalg.norm(view, axis=1)
+        self.vertices["valid"] = self.vertices["valid"] & (cosine > arguments.facing)
         self.chosen = compare.choose(arguments, tool, self, self.vertices)
         if len(self.meshes) == 1:
             self.meshes = [compare.shade_like_ours(tool, self.meshes[0], self.vertices)]

@@ -196,29 +196,63 @@ fn place(x: f64, steps: usize) -> (usize, f64) {
 }
 
 /// `∫ f cosθ Y_lμ dω` over the hemisphere for μ ≥ 0, by channel, of `f` that is symmetric about the plane of x and z.
+///
+/// Longitude first: as `Y_lμ(θ, φ) = Y_lμ(θ, 0) cos μφ`, a ring of nodes needs no more of the basis than those cosines.
 fn moments(order: Order, rule: &HemisphereRule, f: impl Fn(DVec3) -> DVec3) -> Vec<f64> {
     let evaluator = Evaluator::new(order);
     let mut y = vec![0.0; order.count()];
     let count = LobePlane::cosines(order);
     let mut sums = vec![0.0; 3 * count];
-    for (incident, weight) in rule.nodes().filter(|(incident, _)| incident.y > 0.0) {
-        // For the other half as well.
-        let value = f(incident) * (2.0 * weight * incident.z);
-        if value == DVec3::ZERO {
-            continue;
+    let (thetas, phis) = rule.factors();
+    let ring: Vec<Around> = phis
+        .iter()
+        .filter_map(|&node| Around::new(order, node))
+        .collect();
+    let mut around = vec![DVec3::ZERO; order.get()];
+    for &(theta, across) in thetas {
+        let (sin, cos) = libm::sincos(theta);
+        around.fill(DVec3::ZERO);
+        for node in &ring {
+            let value = f(DVec3::new(sin * node.x, sin * node.y, cos)) * node.weight;
+            for (sum, cosine) in around.iter_mut().zip(&node.cosines) {
+                *sum += value * *cosine;
+            }
         }
-        evaluator.eval(incident, &mut y);
+        evaluator.eval(DVec3::new(sin, 0.0, cos), &mut y);
         let mut place = 0;
         for l in order.degrees() {
-            for y in &y[index(l, 0)..=index(l, l as isize)] {
-                sums[place] += value.x * y;
-                sums[count + place] += value.y * y;
-                sums[2 * count + place] += value.z * y;
+            for (y, around) in y[index(l, 0)..=index(l, l as isize)].iter().zip(&around) {
+                let value = *around * (across * cos * y);
+                sums[place] += value.x;
+                sums[count + place] += value.y;
+                sums[2 * count + place] += value.z;
                 place += 1;
             }
         }
     }
     sums
+}
+
+/// A longitude of the half y > 0, which stands for the other half as well.
+struct Around {
+    x: f64,
+    y: f64,
+    weight: f64,
+    /// cos μφ.
+    cosines: Vec<f64>,
+}
+
+impl Around {
+    fn new(order: Order, (phi, weight): (f64, f64)) -> Option<Self> {
+        let (y, x) = libm::sincos(phi);
+        let cosines = order.degrees().map(|m| libm::cos(m as f64 * phi));
+        (y > 0.0).then(|| Self {
+            x,
+            y,
+            weight: 2.0 * weight,
+            cosines: cosines.collect(),
+        })
+    }
 }
 
 /// The same seen from the opposite longitude.

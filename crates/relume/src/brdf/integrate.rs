@@ -80,6 +80,11 @@ impl HemisphereRule {
         })
     }
 
+    /// Polar angles with their weights (sine folded in), and longitudes with theirs: nodes are all pairs.
+    pub(super) fn factors(&self) -> (&[(f64, f64)], &[(f64, f64)]) {
+        (&self.thetas, &self.phis)
+    }
+
     /// ∫ f dω over the upper hemisphere.
     pub fn integrate(&self, f: impl Fn(DVec3) -> DVec3) -> DVec3 {
         let mut sum = DVec3::ZERO;

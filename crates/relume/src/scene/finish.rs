@@ -306,8 +306,9 @@ mod tests {
             ..Scene::default()
         };
         override_albedo(&mut scene, [0.25, 0.5, 0.75]).unwrap();
-        assert_eq!(scene.textures[0].texels, [[255, 255, 255, 40]]);
-        assert_eq!(scene.materials[0].base_color_texture, Some(0));
+        assert_eq!(scene.textures[0].texels, [[10, 20, 30, 40]]);
+        assert_eq!(scene.textures[1].texels, [[255, 255, 255, 40]]);
+        assert_eq!(scene.materials[0].base_color_texture, Some(1));
         assert_eq!(scene.materials[1].base_color_texture, None);
         assert_eq!(scene.materials[1].base_color, [0.25, 0.5, 0.75, 1.0]);
         assert!(scene.meshes[0].colors.is_empty());

@@ -144,7 +144,7 @@ fn base_colour_textures_come_with_their_sampler_and_coordinates() {
         scene
             .warnings
             .iter()
-            .any(|w| w.contains("1 base colour textures were left out"))
+            .any(|w| w.contains("1 textures were left out; their factors"))
     );
 }
 
