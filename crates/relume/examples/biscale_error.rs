@@ -14,12 +14,14 @@ use relume::bake::trace::Tracer;
 use relume::bake::{self, BakeOptions, Monitor};
 use relume::basis::Order;
 use relume::display::{self, Camera, GlossyRadiance, Picture, RaycastOptions, ToneMap};
-use relume::light::{self, IncidentLight, LightOptions};
+use relume::light::{self, IncidentLight, LightOptions, ShLight};
 use relume::reference::{RenderOptions, material_surfaces, render_surfaces, sh_radiance};
 use relume::scene::{self, ImportOptions, World};
 
 /// What stands behind the scene: far below any radiance, so that its pixels are known.
 const NOTHING: f32 = -1e6;
+/// Pixels of the picture, each way.
+const SIZE: u32 = 480;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -43,45 +45,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let light = sky.project(options.order);
     let camera = Camera::framing(&world, 1.0);
 
-    let monitor = Monitor {
-        progress: &|_| (),
-        cancelled: &AtomicBool::new(false),
-    };
+    let ours = baked(&world, &light, &camera, &options)?;
     let start = Instant::now();
-    let transfer = bake::bake(&world, &options, &monitor)?.transfer;
-    println!("baked in {:.1} s", start.elapsed().as_secs_f64());
-    let outgoing = display::outgoing(&world, &transfer)?.ok_or("no matrices")?;
-    let incident = IncidentLight::Distant(light.clone());
-    let glossy = GlossyRadiance::new(&outgoing, &transfer, &incident).ok_or("no matrices")?;
-    let size = RaycastOptions {
-        width: 480,
-        height: 480,
-        samples_per_pixel: 16,
-    };
-    let behind = |_: Vec3| [NOTHING; 3];
-    let start = Instant::now();
-    let ours = display::render(
-        &world,
-        &Tracer::new(&world),
-        &glossy,
-        &behind,
-        &camera,
-        &size,
-    )?;
-    println!("rendered in {:.1} s", start.elapsed().as_secs_f64());
-    let trace = |seed| {
-        let options = RenderOptions {
-            width: size.width,
-            height: size.height,
-            samples_per_pixel: paths,
-            bounces: options.bounces,
-            seed,
-        };
-        let behind = |_: DVec3| [f64::from(NOTHING); 3];
-        let (surfaces, light) = (material_surfaces(&world), sh_radiance(&light));
-        render_surfaces(&world, &surfaces, &light, &behind, &camera, &options)
-    };
-    let start = Instant::now();
+    let trace = |seed| traced(&world, &light, &camera, (paths, options.bounces), seed);
     let (first, second) = (trace(1)?, trace(2)?);
     println!("traced in {:.1} s", start.elapsed().as_secs_f64());
     let mean = combined(&first, &second, |a, b| (a + b) / 2.0);
@@ -98,6 +64,57 @@ fn main() -> Result<(), Box<dyn Error>> {
     let strip = display::strip(&[shown(&ours), shown(&mean), shown(&error)], 0, [0.0; 3]);
     strip.write(output.as_ref(), &ToneMap::default())?;
     Ok(())
+}
+
+/// The picture from transfer.
+fn baked(
+    world: &World,
+    light: &ShLight,
+    camera: &Camera,
+    options: &BakeOptions,
+) -> Result<Picture, Box<dyn Error>> {
+    let monitor = Monitor {
+        progress: &|_| (),
+        cancelled: &AtomicBool::new(false),
+    };
+    let start = Instant::now();
+    let transfer = bake::bake(world, options, &monitor)?.transfer;
+    println!("baked in {:.1} s", start.elapsed().as_secs_f64());
+    let outgoing = display::outgoing(world, &transfer)?.ok_or("no matrices")?;
+    let incident = IncidentLight::Distant(light.clone());
+    let glossy = GlossyRadiance::new(&outgoing, &transfer, &incident).ok_or("no matrices")?;
+    let size = RaycastOptions {
+        width: SIZE,
+        height: SIZE,
+        samples_per_pixel: 16,
+    };
+    let behind = |_: Vec3| [NOTHING; 3];
+    let start = Instant::now();
+    let tracer = Tracer::new(world);
+    let picture = display::render(world, &tracer, &glossy, &behind, camera, &size)?;
+    println!("rendered in {:.1} s", start.elapsed().as_secs_f64());
+    Ok(picture)
+}
+
+/// The picture by paths of that many bounces, that many to a pixel.
+fn traced(
+    world: &World,
+    light: &ShLight,
+    camera: &Camera,
+    (paths, bounces): (u32, u32),
+    seed: u64,
+) -> Result<Picture, Box<dyn Error>> {
+    let options = RenderOptions {
+        width: SIZE,
+        height: SIZE,
+        samples_per_pixel: paths,
+        bounces,
+        seed,
+    };
+    let behind = |_: DVec3| [f64::from(NOTHING); 3];
+    let (surfaces, light) = (material_surfaces(world), sh_radiance(light));
+    let picture = render_surfaces(world, &surfaces, &light, &behind, camera, &options)?;
+    Ok(picture)
 }
 
 /// Pixel by pixel and channel by channel.

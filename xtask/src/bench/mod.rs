@@ -98,7 +98,7 @@ const BENCHES: &[Bench] = &[
     },
     Bench {
         name: "mitsuba",
-        what: "transfer vectors against Mitsuba 3, direct and bounced light",
+        what: "transfer against Mitsuba 3, direct and bounced light; -- --glossy: radiance toward an eye",
         needs: &[
             Need::Shared(TOOL),
             Need::Python,
@@ -153,10 +153,21 @@ fn mitsuba(context: &Context, arguments: &[String]) -> Result<Figures, String> {
         return Ok(Figures::Failed);
     }
     let tool = context.shared(TOOL).ok_or("the tool has gone")?;
+    let glossy = arguments.iter().any(|argument| argument == "--glossy");
+    let arguments = arguments.iter().filter(|argument| *argument != "--glossy");
+    let arguments: Vec<&String> = arguments.collect();
+    let (program, figures) = if glossy {
+        ("mitsuba_glossy", ["armadillo_10k.ply", "max_planck_5k.obj"])
+    } else {
+        (
+            "mitsuba_compare",
+            ["armadillo_43k.obj", "happy_buddha_50k.obj"],
+        )
+    };
     let mut python = MITSUBA.python(context);
     python
         .arg("-u")
-        .arg("xtask/bench/mitsuba_compare.py")
+        .arg(format!("xtask/bench/{program}.py"))
         .arg("--relume")
         .arg(context.relume("release"))
         .arg("--tool")
@@ -167,7 +178,6 @@ fn mitsuba(context: &Context, arguments: &[String]) -> Result<Figures, String> {
         .iter()
         .any(|argument| argument.starts_with("--mesh"))
     {
-        let figures = ["armadillo_43k.obj", "happy_buddha_50k.obj"];
         let meshes = figures.map(|name| context.shared(&format!("data/meshes/{name}")));
         for mesh in meshes.iter().flatten() {
             python.arg("--mesh").arg(mesh);

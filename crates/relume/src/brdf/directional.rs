@@ -203,13 +203,13 @@ fn moments(order: Order, rule: &HemisphereRule, f: impl Fn(DVec3) -> DVec3) -> V
     let mut y = vec![0.0; order.count()];
     let count = LobePlane::cosines(order);
     let mut sums = vec![0.0; 3 * count];
-    let (thetas, phis) = rule.factors();
-    let ring: Vec<Around> = phis
+    let ring: Vec<Around> = rule
+        .phis()
         .iter()
         .filter_map(|&node| Around::new(order, node))
         .collect();
     let mut around = vec![DVec3::ZERO; order.get()];
-    for &(theta, across) in thetas {
+    for &(theta, across) in rule.thetas() {
         let (sin, cos) = libm::sincos(theta);
         around.fill(DVec3::ZERO);
         for node in &ring {

@@ -80,9 +80,14 @@ impl HemisphereRule {
         })
     }
 
-    /// Polar angles with their weights (sine folded in), and longitudes with theirs: nodes are all pairs.
-    pub(super) fn factors(&self) -> (&[(f64, f64)], &[(f64, f64)]) {
-        (&self.thetas, &self.phis)
+    /// Polar angles with their weights, the sine folded in.
+    pub(super) fn thetas(&self) -> &[(f64, f64)] {
+        &self.thetas
+    }
+
+    /// Longitudes with their weights: the nodes are all pairs of a polar angle and one of these.
+    pub(super) fn phis(&self) -> &[(f64, f64)] {
+        &self.phis
     }
 
     /// ∫ f dω over the upper hemisphere.

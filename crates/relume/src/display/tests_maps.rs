@@ -86,6 +86,21 @@ fn light() -> ShLight {
     ShLight::new(Order::new(N).unwrap(), rows.collect())
 }
 
+/// The one pixel of a picture, by paths.
+fn traced(world: &World, camera: &Camera, seed: u64) -> DVec3 {
+    let options = RenderOptions {
+        width: 1,
+        height: 1,
+        samples_per_pixel: 16_384,
+        bounces: 0,
+        seed,
+    };
+    let (surfaces, sky) = (material_surfaces(world), sh_radiance(&light()));
+    let dark = |_: DVec3| [0.0; 3];
+    let picture = render_surfaces(world, &surfaces, &sky, &dark, camera, &options);
+    Vec3::from(picture.unwrap().pixel(0, 0)).as_dvec3()
+}
+
 #[test]
 fn a_pixel_reflects_as_its_maps_say() {
     let world = square();
@@ -122,27 +137,7 @@ fn a_pixel_reflects_as_its_maps_say() {
             samples_per_pixel: 1,
         };
         let ours = render(&world, &tracer, &glossy, &black, &camera, &one).unwrap();
-        let paths: Vec<DVec3> = (0..16)
-            .map(|seed| {
-                let options = RenderOptions {
-                    width: 1,
-                    height: 1,
-                    samples_per_pixel: 16_384,
-                    bounces: 0,
-                    seed,
-                };
-                let dark = |_: DVec3| [0.0; 3];
-                let picture = render_surfaces(
-                    &world,
-                    &material_surfaces(&world),
-                    &sh_radiance(&light()),
-                    &dark,
-                    &camera,
-                    &options,
-                );
-                Vec3::from(picture.unwrap().pixel(0, 0)).as_dvec3()
-            })
-            .collect();
+        let paths: Vec<DVec3> = (0..16).map(|seed| traced(&world, &camera, seed)).collect();
         let mean = paths.iter().sum::<DVec3>() / 16.0;
         let spread: DVec3 = paths.iter().map(|p| (*p - mean) * (*p - mean)).sum();
         let error = (spread / (15.0 * 16.0)).map(f64::sqrt);
