@@ -119,6 +119,15 @@ fn named(reflection: &Reflection) -> (&'static str, String) {
             let words = "as one that was measured (MERL), whose table is in the file";
             ("merl", words.to_owned())
         }
+        Reflection::Tile { tile, repeat } => {
+            let shape = tile.shape();
+            let (width, height, views) = (shape.width, shape.height, shape.views);
+            let words = format!(
+                "as a tile of {width} × {height} texels, {views} × {views} views and order {}, {repeat} times for each texture coordinate of 1",
+                shape.order
+            );
+            ("tile", words)
+        }
         Reflection::Fixed(_) => ("other", "as one that files cannot hold".to_owned()),
     }
 }

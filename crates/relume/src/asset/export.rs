@@ -5,16 +5,9 @@
 use std::io::{self, Seek, Write};
 use std::path::Path;
 
-use npyz::WriterBuilder;
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, System, ZipWriter};
-
 use super::{Asset, AssetError, Matrices, header};
-use crate::files::write_atomically;
+use crate::files::npz::{self, Npz};
 use crate::scene::World;
-
-/// From this many bytes on an entry says its length in 64 bits.
-const LARGE: u64 = 0xf000_0000;
 
 /// Writes the transfer vectors of `asset` as `transfer.npz`, with positions, normals, albedo and the basis header.
 ///
@@ -183,71 +176,7 @@ fn save(
     path: &Path,
     write: impl FnOnce(&mut Npz<&mut io::BufWriter<&std::fs::File>>) -> io::Result<()>,
 ) -> Result<(), AssetError> {
-    write_atomically(path, |writer| {
-        let mut npz = Npz(ZipWriter::new(writer));
-        write(&mut npz)?;
-        npz.0.finish()?;
-        Ok(())
-    })
-    .map_err(|error| AssetError::from(error).of(path))
-}
-
-/// An uncompressed zip of `.npy` files.
-struct Npz<W: Write + Seek>(ZipWriter<W>);
-
-impl<W: Write + Seek> Npz<W> {
-    fn floats(
-        &mut self,
-        name: &str,
-        shape: &[u64],
-        values: impl IntoIterator<Item = f32>,
-    ) -> io::Result<()> {
-        self.array(name, shape, values)
-    }
-
-    /// An array of `shape`, the last axis fastest.
-    fn array<T: npyz::AutoSerialize>(
-        &mut self,
-        name: &str,
-        shape: &[u64],
-        values: impl IntoIterator<Item = T>,
-    ) -> io::Result<()> {
-        let dtype = T::default_dtype();
-        self.start(name, shape, 8)?;
-        let mut npy = npyz::WriteOptions::new()
-            .dtype(dtype)
-            .shape(shape)
-            .writer(&mut self.0)
-            .begin_nd()?;
-        npy.extend(values)?;
-        npy.finish()
-    }
-
-    /// A string, as numpy's unicode array of no dimension.
-    fn text(&mut self, name: &str, text: &str) -> io::Result<()> {
-        let size = text.chars().count().max(1);
-        let kind = format!("<U{size}").parse().map_err(io::Error::other)?;
-        self.start(name, &[], 4 * size as u64)?;
-        let mut npy = npyz::WriteOptions::<str>::new()
-            .dtype(npyz::DType::new_scalar(kind))
-            .shape(&[])
-            .writer(&mut self.0)
-            .begin_nd()?;
-        npy.push(text)?;
-        npy.finish()
-    }
-
-    /// Begins an entry of at most `width` bytes per value.
-    fn start(&mut self, name: &str, shape: &[u64], width: u64) -> io::Result<()> {
-        // The same everywhere: not the clock's time, and not the name of the machine's system.
-        let options = SimpleFileOptions::default()
-            .compression_method(CompressionMethod::Stored)
-            .last_modified_time(DateTime::default())
-            .system(System::Unix)
-            .unix_permissions(0o644)
-            .large_file(width * shape.iter().product::<u64>() >= LARGE);
-        Ok(self.0.start_file(format!("{name}.npy"), options)?)
-    }
+    npz::save(path, write).map_err(|error| AssetError::from(error).of(path))
 }
 
 #[cfg(test)]

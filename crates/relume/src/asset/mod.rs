@@ -9,13 +9,13 @@ mod export;
 mod fresh;
 mod gather;
 mod header;
-mod measured;
 mod merge;
 mod precision;
 mod read;
 #[cfg(test)]
 mod samples;
 mod strip;
+mod tables;
 mod tessellated;
 mod transfer;
 mod views;

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::header::{self, HeaderError, Meaning, Primitive};
-use super::{Asset, AssetError, beside, container, measured, merge, strip, views};
+use super::{Asset, AssetError, beside, container, merge, strip, views};
 use super::{BackTransfer, Gather, Matrices, Transfer};
 use crate::files::{Rows, printable};
 use crate::scene::gltf::{self, Maps};
@@ -90,7 +90,7 @@ fn assemble(
     }
     let reflection = meaning
         .brdf
-        .map(|brdf| brdf.reflection(|table| measured::take(&mut gathered.views, table)));
+        .map(|brdf| brdf.reflection(|table, count| gathered.views.triples(table, count)));
     let reflection = reflection
         .transpose()
         .map_err(|what| wrong(*first, &what))?;

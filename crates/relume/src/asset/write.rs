@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::builder::{Builder, array, malformed, object};
 use super::container::{self, Container, Part};
 use super::header::{self, Back, Beside, Meaning, Primitive};
-use super::{Asset, AssetError, Precision, Transfer, beside, fresh, measured, tessellated};
+use super::{Asset, AssetError, Precision, Transfer, beside, fresh, tables, tessellated};
 use crate::files::{Rows, write_atomically, write_both_atomically};
 use crate::scene::{Instance, Scene};
 
@@ -108,7 +108,7 @@ pub fn predicted_size(
         other => other,
     })?;
     let mut bytes = alone.len() as u64;
-    let mut transfer = measured::bytes(scene);
+    let mut transfer = tables::bytes(scene);
     for instance in &scene.instances {
         let mesh = &scene.meshes[instance.mesh];
         let vertices = mesh.positions.len() as u64;
@@ -179,7 +179,7 @@ fn plan(asset: &Asset, beside: Option<String>) -> Result<Builder<'_>, AssetError
         gather.put(&mut builder)?;
     }
     let mut meaning = Meaning::of(transfer, &scene.source_hash, scene.albedo_override);
-    meaning.brdf = measured::put(&mut builder, scene)?;
+    meaning.brdf = tables::put(&mut builder, scene)?;
     meaning.beside = builder.beside().map(|bin| Beside {
         byte_length: bin.len(),
         // Not known before it is written.

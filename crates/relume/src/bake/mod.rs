@@ -27,6 +27,7 @@ mod result;
 mod run;
 pub mod sampling;
 mod store;
+pub mod tile;
 pub mod trace;
 
 pub use engine::Engine;

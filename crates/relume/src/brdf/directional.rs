@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use super::plane::LobePlane;
 use super::radiance::lanes;
-use super::{Brdf, Ggx, HemisphereRule};
+use super::{Brdf, Ggx, HemisphereRule, Tile};
 use crate::basis::{Order, index, sh::Evaluator};
 
 /// Steps between the normal and the horizon.
@@ -70,6 +70,11 @@ impl DirectionalTable {
                 Ggx::terms(roughness, incident, outgoing)
             })
         })
+    }
+
+    /// Of the mean over a tile and over turns about its normal.
+    pub fn of_tile(tile: &Tile, order: Order) -> Self {
+        Self::tabulate(order, 1, |_, outgoing| tile.cosines(order, outgoing))
     }
 
     /// `row` gives the moments of a level for a view in the plane of x and z.

@@ -37,6 +37,7 @@ mod reflector;
 mod table;
 #[cfg(test)]
 mod tests;
+pub mod tile;
 mod ward;
 
 use std::sync::Arc;
@@ -62,6 +63,7 @@ pub use reflection::Reflection;
 pub(crate) use reflector::seen_from_above;
 pub use reflector::{Finish, Reflector, Scratch};
 pub use table::{MAX_RESOLUTION, Table};
+pub use tile::{Tile, TileShape};
 pub use ward::Ward;
 
 /// A BRDF in its tangent frame.

@@ -1,10 +1,11 @@
 //! How a material reflects.
 
 use std::f64::consts::FRAC_1_PI;
+use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Anisotropic, Brdf, Ggx, HemisphereRule, Lambert};
+use super::{Anisotropic, Brdf, Ggx, HemisphereRule, Lambert, Tile};
 use crate::basis::{Hemisphere, Order, sh::Evaluator};
 
 /// How a material reflects, but for its base colour, which may vary from point to point.
@@ -22,15 +23,22 @@ pub enum Reflection {
     },
     /// One with colours of its own.
     Fixed(Brdf),
+    /// A relief with colours of its own, which repeats with the texture coordinates.
+    Tile {
+        /// One period.
+        tile: Arc<Tile>,
+        /// Periods for each step of 1 of texture coordinates.
+        repeat: f32,
+    },
 }
 
 /// The share of a BRDF that may lie above [`Reflection::bandwidth`].
 const TAIL: f64 = 0.1;
 
 impl Reflection {
-    /// The BRDF where the base colour is this. It is affine in it.
-    pub fn brdf(&self, base_color: DVec3) -> Brdf {
-        match self {
+    /// The BRDF where the base colour is this, affine in it; `None` of a [`Reflection::Tile`], whose points have none.
+    pub fn brdf(&self, base_color: DVec3) -> Option<Brdf> {
+        Some(match self {
             Self::Diffuse => Lambert { albedo: base_color }.into(),
             &Self::MetallicRoughness {
                 metallic,
@@ -42,17 +50,21 @@ impl Reflection {
             }
             .into(),
             Self::Fixed(brdf) => brdf.clone(),
-        }
+            Self::Tile { .. } => return None,
+        })
     }
 
     /// The least order of incident radiance that shows this reflection, up to `most`: what its fit on the hemisphere leaves of the BRDF is less than a
-    /// tenth (RMS, weighted by the cosine), for white base colour, seen from above and from 45°.
+    /// tenth (RMS, weighted by the cosine), for white base colour, seen from above and from 45°. Of a tile, the order it has.
     ///
     /// # Errors
     /// [`Anisotropic`] where the BRDF does not turn with the view.
     pub fn bandwidth(&self, most: Order) -> Result<Order, Anisotropic> {
         // White: of a black metal only the Fresnel term is left, which is sharp and dark.
-        let brdf = self.brdf(DVec3::ONE);
+        let brdf = match self {
+            Self::Tile { tile, .. } => return Ok(tile.shape().order.min(most)),
+            other => other.brdf(DVec3::ONE).expect("all others have one"),
+        };
         if !brdf.is_isotropic() {
             return Err(Anisotropic);
         }

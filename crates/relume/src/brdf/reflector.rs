@@ -64,7 +64,8 @@ impl Scratch {
 }
 
 impl Reflector {
-    /// Tabulates a reflection for incident radiance of `order`; where `varies`, for any roughness of a glTF material, and else for its own.
+    /// Tabulates a reflection for incident radiance of `order`; where `varies`, for any roughness of a glTF material, and else for its own. Of a
+    /// tile, the mean over it.
     ///
     /// # Errors
     /// [`Anisotropic`] where the BRDF does not turn with the view.
@@ -80,6 +81,7 @@ impl Reflector {
                 (Kind::MetallicRoughness, table)
             }
             Reflection::Fixed(brdf) => (Kind::Fixed, DirectionalTable::new(brdf, order)?),
+            Reflection::Tile { tile, .. } => (Kind::Fixed, DirectionalTable::of_tile(tile, order)),
         };
         Ok(Self {
             table,
@@ -203,7 +205,7 @@ impl Reflector {
 
 /// Whether two reflections have one table: those of glTF materials of any roughness, or of the same one.
 fn alike((a, a_varies): (&Reflection, bool), (b, b_varies): (&Reflection, bool)) -> bool {
-    use Reflection::{Diffuse, Fixed, MetallicRoughness};
+    use Reflection::{Diffuse, Fixed, MetallicRoughness, Tile};
     match (a, b) {
         (Diffuse, Diffuse) => true,
         (MetallicRoughness { roughness: a, .. }, MetallicRoughness { roughness: b, .. }) => {
@@ -212,6 +214,7 @@ fn alike((a, a_varies): (&Reflection, bool), (b, b_varies): (&Reflection, bool))
         (Fixed(Brdf::Phong(a)), Fixed(Brdf::Phong(b))) => a == b,
         (Fixed(Brdf::Measured(a)), Fixed(Brdf::Measured(b))) => Arc::ptr_eq(a, b),
         (Fixed(Brdf::Tabulated(a)), Fixed(Brdf::Tabulated(b))) => Arc::ptr_eq(a, b),
+        (Tile { tile: a, .. }, Tile { tile: b, .. }) => Arc::ptr_eq(a, b),
         _ => false,
     }
 }
@@ -275,7 +278,7 @@ mod tests {
             metallic: 0.3,
             roughness: 0.53,
         };
-        let brdf = gltf.brdf(finish.base_color);
+        let brdf = gltf.brdf(finish.base_color).unwrap();
         let cases = [
             (Reflection::Fixed(phong.clone()), false, phong),
             (gltf.clone(), false, brdf.clone()),
@@ -283,7 +286,7 @@ mod tests {
             (
                 Reflection::Diffuse,
                 false,
-                Reflection::Diffuse.brdf(finish.base_color),
+                Reflection::Diffuse.brdf(finish.base_color).unwrap(),
             ),
         ];
         for (reflection, varies, brdf) in cases {
@@ -335,7 +338,7 @@ mod tests {
             let view = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
             let o = toward(&reflector, &finish, DVec3::Z, view);
             let ours = o[0] * (4.0 * std::f64::consts::PI).sqrt();
-            let exact = gltf.brdf(finish.base_color).albedo(view).x;
+            let exact = gltf.brdf(finish.base_color).unwrap().albedo(view).x;
             assert!((ours - exact).abs() < 1e-3 * exact, "{ours} {exact}");
         }
     }

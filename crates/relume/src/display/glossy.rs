@@ -5,13 +5,13 @@ use glam::Vec3;
 use super::raycast::Radiance;
 use crate::asset::Transfer;
 use crate::bake::trace::Hit;
-use crate::brdf::{Anisotropic, Workspace, seen_from_above};
+use crate::brdf::{Anisotropic, Reflection, Workspace, seen_from_above};
 use crate::light::IncidentLight;
 use crate::scene::World;
 use crate::shade::{Outgoing, TransferredRadiance};
 
-/// Transferred radiance interpolated from the vertices, reflected at the point seen: its own colour, roughness, metalness and normal, maps and all
-/// [sloan2005, bi-scale transfer].
+/// Transferred radiance interpolated from the vertices, reflected at the point seen: its own colour, roughness, metalness and normal, maps and all,
+/// or its place on a tile [sloan2005, bi-scale transfer].
 pub struct GlossyRadiance<'a> {
     outgoing: &'a Outgoing,
     transferred: TransferredRadiance,
@@ -71,8 +71,14 @@ impl Radiance for GlossyRadiance<'_> {
         let normal = point.normal.as_dvec3() * side;
         let view = seen_from_above(normal, -direction.as_dvec3().normalize());
         let material = world.triangle_materials[hit.triangle as usize];
+        let order = self.transferred.order;
+        if let Reflection::Tile { tile, repeat } = &world.materials[material as usize].reflection
+            && let Some(place) = world.tile_place(hit.triangle, weights, hit.front, *repeat)
+        {
+            return Vec3::from(tile.radiance(&place, view, &incident, order));
+        }
         let reflector = self.outgoing.reflector(material);
-        let mut work = Workspace::new(self.transferred.order);
+        let mut work = Workspace::new(order);
         let radiance = reflector.radiance(&point.finish(), normal, view, &incident, &mut work);
         Vec3::from(radiance)
     }

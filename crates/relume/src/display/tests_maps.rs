@@ -95,7 +95,7 @@ fn traced(world: &World, camera: &Camera, seed: u64) -> DVec3 {
         bounces: 0,
         seed,
     };
-    let (surfaces, sky) = (material_surfaces(world), sh_radiance(&light()));
+    let (surfaces, sky) = (material_surfaces(world).unwrap(), sh_radiance(&light()));
     let dark = |_: DVec3| [0.0; 3];
     let picture = render_surfaces(world, &surfaces, &sky, &dark, camera, &options);
     Vec3::from(picture.unwrap().pixel(0, 0)).as_dvec3()

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::brdf::{Brdf, Lambert, Reflection};
-use crate::scene::World;
+use crate::scene::{Material, World};
 
 /// The BRDF at a point of a triangle of the world (its index, and barycentric weights of its corners).
 ///
@@ -11,19 +11,16 @@ use crate::scene::World;
 /// BRDF therefore keeps its direction over a plane, and over a curved surface turns in no way that anyone chose.
 pub type Surfaces<'a> = dyn Fn(u32, [f32; 3]) -> Brdf + Sync + 'a;
 
-/// The surfaces as the materials of a world have them, maps and all.
-pub fn material_surfaces(world: &World) -> impl Fn(u32, [f32; 3]) -> Brdf + Sync {
-    |triangle, weights| {
-        let point = world.shading_point(triangle, weights);
-        let reflection = match &world.material(triangle).reflection {
-            Reflection::MetallicRoughness { .. } => &Reflection::MetallicRoughness {
-                metallic: point.metallic,
-                roughness: point.roughness,
-            },
-            other => other,
-        };
-        reflection.brdf(point.albedo.as_dvec3())
+/// The surfaces as the materials of a world have them, maps and all; `None` where one is a [`Reflection::Tile`], whose points have no BRDF.
+pub fn material_surfaces(world: &World) -> Option<impl Fn(u32, [f32; 3]) -> Brdf + Sync> {
+    let tile = |material: &Material| matches!(material.reflection, Reflection::Tile { .. });
+    if world.materials.iter().any(tile) {
+        return None;
     }
+    Some(|triangle, weights| {
+        let brdf = world.brdf_at(triangle, weights);
+        brdf.expect("there are no tiles")
+    })
 }
 
 /// The surfaces as the bake has them: diffuse, of the albedo at the point.

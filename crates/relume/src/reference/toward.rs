@@ -17,7 +17,8 @@ use crate::shade::{Outgoing, TransferredRadiance};
 /// Compares the radiance that random vertices of `world` send toward `eye` with path tracing; `transfer` has matrices.
 ///
 /// As [`compare`](super::compare()), but for what is compared: the vertex's own BRDF is in it. Vertices are drawn from those that turn a side toward the
-/// eye that has matrices, whether the eye is hidden from them or not. `None` when there is none, or the transfer has no matrices.
+/// eye that has matrices, whether the eye is hidden from them or not. `None` when there is none, the transfer has no
+/// matrices, or a surface is a tile, which paths cannot meet.
 ///
 /// # Errors
 /// [`Anisotropic`] where a BRDF does not turn with the view.
@@ -43,7 +44,9 @@ pub fn compare_toward(
     let empty = World::default();
     let (bounces, occluders) = what_is_counted(transfer, world, &empty);
     let seen = sides.points(&chosen);
-    let surfaces = material_surfaces(world);
+    let Some(surfaces) = material_surfaces(world) else {
+        return Ok(None);
+    };
     let options_of_paths = replicates_of(options, bounces);
     let light = sh_radiance(&light);
     let estimates = estimate_outgoing(occluders, &surfaces, &seen, &light, &options_of_paths);

@@ -213,10 +213,23 @@ pub fn override_albedo(scene: &mut Scene, albedo: [f32; 3]) -> Result<(), SceneE
 }
 
 /// Lets all surfaces reflect like this, whatever their materials say of it.
+///
+/// A tile lies along the tangents; meshes without texture coordinates, which have none, show its mean.
 pub fn override_reflection(scene: &mut Scene, reflection: Reflection) {
+    if matches!(reflection, Reflection::Tile { .. }) {
+        for mesh in &mut scene.meshes {
+            if mesh.tangents.is_empty() && !mesh.uvs.is_empty() {
+                mesh.tangents = tangents::tangents(mesh);
+            }
+        }
+    }
     for material in &mut scene.materials {
         material.reflection = reflection.clone();
         material.metallic_roughness_texture = None;
+        if matches!(reflection, Reflection::Tile { .. }) {
+            // Its relief is the tile's.
+            material.normal_texture = None;
+        }
     }
     scene.reflection_override = Some(reflection);
 }

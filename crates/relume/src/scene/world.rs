@@ -5,7 +5,8 @@ use std::ops::Range;
 use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
 
 use super::{AlphaMode, Material, Scene, Texture};
-use crate::brdf::{Finish, Reflection};
+use crate::brdf::tile::TilePlace;
+use crate::brdf::{Brdf, Finish, Reflection};
 
 /// All instances as one vertex list and one triangle list, in the space of the scene's root.
 ///
@@ -175,6 +176,19 @@ impl World {
         }
     }
 
+    /// The BRDF at a point of a triangle, maps and all; `None` of a tile, whose points have none.
+    pub fn brdf_at(&self, triangle: u32, weights: [f32; 3]) -> Option<Brdf> {
+        let point = self.shading_point(triangle, weights);
+        let reflection = match &self.material(triangle).reflection {
+            Reflection::MetallicRoughness { .. } => &Reflection::MetallicRoughness {
+                metallic: point.metallic,
+                roughness: point.roughness,
+            },
+            other => other,
+        };
+        reflection.brdf(point.albedo.as_dvec3())
+    }
+
     /// Metalness and roughness at a place in a material's maps; of what has none, those that stand for it.
     fn metallic_roughness(&self, material: &Material, uv: Vec2) -> (f32, f32) {
         let (metallic, roughness) = match material.reflection {
@@ -210,6 +224,31 @@ impl World {
         let (x, y) = (local.x * map.scale, local.y * map.scale);
         let mapped = tangent.truncate() * x + bitangent * y + smooth * local.z;
         mapped.try_normalize().unwrap_or_else(plain)
+    }
+
+    /// Where a tile that repeats so often is at a point of a triangle, seen from its front or its back; `None` without tangents.
+    pub fn tile_place(
+        &self,
+        triangle: u32,
+        weights: [f32; 3],
+        front: bool,
+        repeat: f32,
+    ) -> Option<TilePlace> {
+        let first = self.triangles[triangle as usize][0] as usize;
+        let sign = self.tangents.get(first)?.w;
+        let uv = self.interpolate(triangle, weights, |i| self.uvs[i]);
+        let normal = self.interpolate(triangle, weights, |i| self.normals[i]);
+        let side = if front { 1.0 } else { -1.0 };
+        let normal = normal.as_dvec3().try_normalize()? * side;
+        let along = self.interpolate(triangle, weights, |i| self.tangents[i]);
+        let along = along.truncate().as_dvec3();
+        let tangent = (along - normal * normal.dot(along)).try_normalize()?;
+        let world_from_local = DMat3::from_cols(tangent, normal.cross(tangent), normal);
+        Some(TilePlace {
+            uv: uv * repeat,
+            local_from_world: world_from_local.transpose(),
+            mirrored: side * f64::from(sign) < 0.0,
+        })
     }
 
     /// Whether there is a surface at this point of a triangle, or the hole of an alpha mask.

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::brdf::{self, Merl, Reflection};
+use crate::basis::Order;
+use crate::brdf::{self, MERL_ENTRIES, Merl, Reflection, Tile, TileShape};
 
 /// How all surfaces of a scene reflect.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,15 +21,21 @@ pub enum Brdf {
     Ggx { metallic: f32, roughness: f32 },
     /// As measured: the buffer view of the table.
     Merl { table: usize },
+    /// A tile: the buffer view of its values `[height][width][views][views][3][order²]`, repeated so often.
+    Tile {
+        table: usize,
+        width: usize,
+        height: usize,
+        views: usize,
+        order: usize,
+        repeat: f32,
+    },
 }
 
 impl Brdf {
-    /// `None` for what a header cannot hold; `keep` puts a table into a buffer view.
-    pub fn of<'a, E>(
-        reflection: &'a Reflection,
-        keep: impl FnOnce(&'a Merl) -> Result<usize, E>,
-    ) -> Result<Option<Self>, E> {
-        Ok(match reflection {
+    /// `None` for what a header cannot hold; `table` is the buffer view of its table, if it has one.
+    pub fn of(reflection: &Reflection, table: Option<usize>) -> Option<Self> {
+        match reflection {
             Reflection::Diffuse => Some(Self::Lambert {}),
             &Reflection::MetallicRoughness {
                 metallic,
@@ -42,21 +49,58 @@ impl Brdf {
                 specular: phong.specular.to_array(),
                 exponent: phong.exponent,
             }),
-            Reflection::Fixed(brdf::Brdf::Measured(merl)) => {
-                let table = keep(merl)?;
-                Some(Self::Merl { table })
-            }
+            Reflection::Fixed(brdf::Brdf::Measured(_)) => table.map(|table| Self::Merl { table }),
             Reflection::Fixed(_) => None,
-        })
+            Reflection::Tile { tile, repeat } => table.map(|table| {
+                let shape = tile.shape();
+                Self::Tile {
+                    table,
+                    width: shape.width,
+                    height: shape.height,
+                    views: shape.views,
+                    order: shape.order.get(),
+                    repeat: *repeat,
+                }
+            }),
+        }
     }
 
-    /// The reflection; `table` reads one out of a buffer view.
-    pub fn reflection<E>(
+    /// The reflection; `triples` reads so many of them out of a buffer view. Otherwise what "RELUME_transfer" has instead.
+    pub fn reflection(
         self,
-        table: impl FnOnce(usize) -> Result<Merl, E>,
-    ) -> Result<Reflection, E> {
+        triples: impl FnOnce(usize, usize) -> Result<Vec<[f32; 3]>, String>,
+    ) -> Result<Reflection, String> {
+        let triples = |view, count| {
+            triples(view, count).map_err(|what| format!("has a brdf whose table {what}"))
+        };
         Ok(match self {
-            Self::Merl { table: view } => Reflection::Fixed(table(view)?.into()),
+            Self::Merl { table } => {
+                let merl = Merl::from_values(triples(table, MERL_ENTRIES)?);
+                Reflection::Fixed(merl.map_err(|what| format!("has {what}"))?.into())
+            }
+            Self::Tile {
+                table,
+                width,
+                height,
+                views,
+                order,
+                repeat,
+            } => {
+                let wrong = |what: String| format!("has a tile that is none: {what}");
+                let shape = TileShape {
+                    width,
+                    height,
+                    views,
+                    order: Order::new(order).map_err(|e| wrong(e.to_string()))?,
+                };
+                let shape = shape.checked().map_err(|e| wrong(e.to_string()))?;
+                let values = triples(table, shape.count() / 3)?.into_flattened();
+                let tile = Tile::new(shape, values).map_err(|e| wrong(e.to_string()))?;
+                Reflection::Tile {
+                    tile: tile.into(),
+                    repeat,
+                }
+            }
             Self::Lambert {} => Reflection::Diffuse,
             Self::Phong {
                 diffuse,
@@ -81,6 +125,7 @@ impl Brdf {
     pub fn checked(self) -> Result<Self, String> {
         let whole = match self {
             Self::Lambert {} | Self::Merl { .. } => true,
+            Self::Tile { repeat, .. } => (1e-3..=1e6).contains(&repeat),
             Self::Phong {
                 diffuse,
                 specular,

@@ -232,6 +232,10 @@ impl Hash {
                 metallic,
                 roughness,
             } => self.floats(&[*metallic, *roughness]),
+            Reflection::Tile { tile, repeat } => {
+                self.floats(tile.values());
+                self.bytes(format!("{:?} {repeat:?}", tile.shape()).as_bytes());
+            }
             // Its numbers to the last digit, measured tables among them.
             Reflection::Fixed(brdf) => self.bytes(format!("{brdf:?}").as_bytes()),
         }

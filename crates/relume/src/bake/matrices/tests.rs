@@ -134,7 +134,7 @@ fn against_paths(world: &World, options: &BakeOptions, vertices: &[usize]) -> (f
     let ours = outgoing.radiance(&transfer, &transferred, eye);
     let surfaces = |triangle: u32, weights: [f32; 3]| {
         let albedo = world.surface(triangle, weights).albedo.as_dvec3();
-        world.material(triangle).reflection.brdf(albedo)
+        world.material(triangle).reflection.brdf(albedo).unwrap()
     };
     let receivers = receivers_at(world, vertices);
     let seen: Vec<Seen> = vertices

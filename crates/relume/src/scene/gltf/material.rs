@@ -16,6 +16,7 @@ pub(super) struct Materials {
     lookups: Vec<Option<Lookup>>,
     /// Index in the scene of the material for primitives without one, once there is such a primitive.
     default: Option<usize>,
+    maps: Maps,
 }
 
 /// Which textures are read.
@@ -105,7 +106,13 @@ impl Materials {
         Ok(Self {
             lookups,
             default: None,
+            maps,
         })
+    }
+
+    /// Whether maps beside colour are read.
+    pub(super) fn wants_maps(&self) -> bool {
+        self.maps == Maps::All
     }
 
     /// The scene's index of a primitive's material, and where it looks up its textures.

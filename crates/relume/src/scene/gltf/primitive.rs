@@ -1,6 +1,6 @@
 //! One primitive of a glTF mesh as a mesh of its own.
 
-use glam::{Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::super::{Group, Mesh, Scene, SceneError};
 use super::accessor::Data;
@@ -42,6 +42,11 @@ pub(super) fn read(
     }
     if let Some(lookup) = lookup {
         read_uvs(data, primitive, &lookup, &mut mesh, scene, place)?;
+    } else if let Some(index) = attribute("TEXCOORD_0").filter(|_| materials.wants_maps()) {
+        // Nothing of the file's own is looked up there, but a tile may be.
+        let uvs = data.floats::<2>(index, false, place)?;
+        same_count(uvs.len(), count, "TEXCOORD_0", place)?;
+        mesh.uvs = uvs.into_iter().map(Vec2::from).collect();
     }
     let mapped = scene.materials[material].normal_texture.is_some();
     if let Some(index) = attribute("TANGENT").filter(|_| mapped && !mesh.uvs.is_empty()) {
