@@ -2,6 +2,7 @@
 
 mod brdf;
 mod parse;
+mod tile;
 
 use std::path::PathBuf;
 
@@ -12,6 +13,7 @@ use relume::light::{EnvSpec, LayoutChoice, Turn, WindowChoice};
 
 pub use brdf::BrdfArgs;
 pub use parse::{Exposure, MaxEdge, Samples};
+pub use tile::TileArgs;
 
 /// Precomputed radiance transfer: bake how light moves through a scene once, then relight it.
 #[derive(Parser)]
@@ -35,6 +37,7 @@ Examples:
 pub enum Command {
     Demo(DemoArgs),
     Bake(BakeArgs),
+    Tile(TileArgs),
     Light(LightFileArgs),
     Shade(ShadeArgs),
     Render(RenderArgs),
@@ -74,6 +77,7 @@ Examples:
   relume bake pot.glb -o baked.glb --transfer glossy --bounces 2  metal and plastic, as the materials say
   relume bake scan.ply -o baked.glb --transfer glossy --brdf phong --kd 0.3,0.2,0.1 --ks 0.5 --exponent 20
   relume bake scan.ply -o baked.glb --transfer glossy --brdf brass.binary   as measured (MERL)
+  relume bake room.glb -o baked.glb --transfer glossy --brdf pebbles.npz --repeat 8   covered with a tile
 
 The asset is a .glb that any glTF viewer opens; the transfer is in it as an extension.")]
 pub struct BakeArgs {

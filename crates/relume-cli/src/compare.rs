@@ -6,11 +6,12 @@ mod picture;
 use std::path::PathBuf;
 
 use relume::asset::Transfer;
+use relume::brdf::Reflection;
 use relume::display::Camera;
 use relume::files::printable;
 use relume::light::ShLight;
 use relume::reference::{self, CompareOptions, Comparison};
-use relume::scene::World;
+use relume::scene::{Material, World};
 
 use crate::args::CompareArgs;
 use crate::failure::Failure;
@@ -89,6 +90,11 @@ fn compared(
         let comparison = reference::compare(world, transfer, light, &options);
         let what = "every vertex is buried; nothing can be compared";
         return comparison.ok_or_else(|| Failure::new(format!("{asset}: {what}")));
+    }
+    let tile = |material: &Material| matches!(material.reflection, Reflection::Tile { .. });
+    if world.materials.iter().any(tile) {
+        let what = "its surfaces are covered with a tile, which paths do not know; compare one baked without";
+        return Err(Failure::new(format!("{asset}: {what}")));
     }
     let eye = camera.eye.as_dvec3();
     let comparison = reference::compare_toward(world, transfer, light, eye, &options)

@@ -18,6 +18,7 @@ mod light;
 mod progress;
 mod render;
 mod shade;
+mod tile;
 mod view;
 mod window;
 
@@ -41,6 +42,7 @@ fn run(command: Command) -> Result<(), Failure> {
     match command {
         Command::Demo(args) => demo::run(&args),
         Command::Bake(args) => bake::run(&args),
+        Command::Tile(args) => tile::run(&args),
         Command::Light(args) => light::run(&args),
         Command::Shade(args) => shade::run(&args),
         Command::Render(args) => render::run(&args),

@@ -54,6 +54,20 @@ pub enum GpuError {
         /// How many the device allows.
         limit: usize,
     },
+    /// A tile that textures of the device have no room for.
+    #[error(
+        "a tile of {views} views and {texels} texels a side; this device allows {layers} layers and {side} texels: bake it with fewer --views or a smaller --size, or use a device with larger textures"
+    )]
+    Tile {
+        /// A layer each.
+        views: usize,
+        /// How many layers the device allows.
+        layers: usize,
+        /// The longer side, coefficients side by side.
+        texels: usize,
+        /// The longest side the device allows.
+        side: usize,
+    },
     /// A material that glossy transfer does not know.
     #[error(transparent)]
     Anisotropic(#[from] Anisotropic),

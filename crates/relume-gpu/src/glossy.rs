@@ -19,7 +19,10 @@ use crate::pipelines::{Kind, VIEW, ViewPass};
 use crate::{GpuError, Target};
 
 /// What is added to [`VIEW`].
-pub const GLOSSY: &str = include_str!("shaders/glossy.wgsl");
+pub const GLOSSY: &str = concat!(
+    include_str!("shaders/glossy.wgsl"),
+    include_str!("shaders/tile.wgsl")
+);
 
 /// The module of an order of transferred radiance.
 pub fn source(order: Order) -> String {
@@ -63,7 +66,11 @@ impl GlossyPass {
             texture(5, fragment, FILTERED),
             sampler(6),
         ];
-        let lobes = layout(device, "lobes", &[texture_array(0), sampler(1)]);
+        let lobes = layout(
+            device,
+            "lobes",
+            &[texture_array(0), sampler(1), texture_array(2)],
+        );
         Self {
             transferred: layout(device, "transferred radiance", &transferred),
             material: layout(device, "glossy material", &material),

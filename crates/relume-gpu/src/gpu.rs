@@ -79,6 +79,41 @@ impl Gpu {
         );
     }
 
+    /// A texture array of half floats, to be sampled: width, height and layers.
+    pub fn array(&self, label: &str, size: [usize; 3], texels: &[[u16; 4]]) -> TextureView {
+        let [width, height, depth_or_array_layers] = size.map(|side| side as u32);
+        let size = Extent3d {
+            width,
+            height,
+            depth_or_array_layers,
+        };
+        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: TextureFormat::Rgba16Float,
+            usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        self.queue.write_texture(
+            texture.as_image_copy(),
+            bytemuck::cast_slice(texels),
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(8 * width),
+                rows_per_image: Some(height),
+            },
+            size,
+        );
+        texture.create_view(&TextureViewDescriptor {
+            // One layer is an array, too.
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..TextureViewDescriptor::default()
+        })
+    }
+
     /// A uniform.
     pub fn uniform(&self, label: &str, value: &impl Pod) -> Buffer {
         self.uniform_of(label, bytemuck::bytes_of(value))

@@ -60,6 +60,8 @@ pub struct Material {
     pub metallic: f32,
     pub roughness: f32,
     pub normal_scale: f32,
+    /// Texels along u and v, views along a side, and periods.
+    pub tile: [f32; 4],
 }
 
 /// A vertex as the view pass reads it.
@@ -127,6 +129,7 @@ pub mod reflection {
     pub const DIFFUSE: u32 = 0;
     pub const METALLIC_ROUGHNESS: u32 = 1;
     pub const FIXED: u32 = 2;
+    pub const TILE: u32 = 3;
 }
 
 /// How colours are written, as view.wgsl numbers it.

@@ -99,7 +99,8 @@ fn structs_lie_as_the_shaders_read_them() {
             cutoff,
             metallic,
             roughness,
-            normal_scale
+            normal_scale,
+            tile
         }
     );
     assert_eq!(size_of::<Vertex>(), 40);
@@ -131,6 +132,7 @@ fn numbers_have_the_shaders_names() {
         ("DIFFUSE", reflection::DIFFUSE),
         ("METALLIC_ROUGHNESS", reflection::METALLIC_ROUGHNESS),
         ("FIXED", reflection::FIXED),
+        ("TILE", reflection::TILE),
     ] {
         assert_eq!(value(name), number, "{name}");
     }

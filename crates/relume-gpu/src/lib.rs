@@ -61,6 +61,7 @@ mod pipelines;
 mod renderer;
 mod ring;
 mod sides;
+mod tiles;
 mod transfer;
 
 pub use error::GpuError;

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use half::f16;
 use relume::basis::Order;
-use relume::brdf::{Reflection, Reflector};
-use wgpu::{BindGroup, BindGroupLayout, BindingResource, Sampler, TextureFormat, TextureUsages};
+use relume::brdf::{Reflection, Reflector, Tile};
+use wgpu::{BindGroup, BindGroupLayout, BindingResource, Sampler};
 
 use crate::GpuError;
 use crate::gpu::Gpu;
+use crate::tiles;
 
 /// Steps between the normal and the horizon. Between them samplers draw straight lines.
 const STEPS: usize = 256;
@@ -31,7 +32,7 @@ enum Gray {
 }
 
 impl Lobes {
-    /// Nothing yet; `layout` has a texture array and its sampler.
+    /// Nothing yet; `layout` has the array of lobes, a sampler and the array of a tile.
     pub fn new(gpu: &Gpu, layout: BindGroupLayout) -> Self {
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("lobes"),
@@ -57,7 +58,9 @@ impl Lobes {
         order: Order,
     ) -> Result<Vec<BindGroup>, GpuError> {
         check(gpu, order)?;
-        let is_fixed = |reflection: &Reflection| matches!(reflection, Reflection::Fixed(_));
+        let is_fixed = |reflection: &Reflection| {
+            matches!(reflection, Reflection::Fixed(_) | Reflection::Tile { .. })
+        };
         let given = reflections.iter().copied();
         let fixed = given.clone().filter(|(reflection, _)| is_fixed(reflection));
         let mut fixed = Reflector::all(fixed, order)?.into_iter();
@@ -74,7 +77,7 @@ impl Lobes {
             if let Some((_, group)) = made.iter().find(|(same, _)| Arc::ptr_eq(same, &reflector)) {
                 return Ok(group.clone());
             }
-            let group = self.upload(gpu, &reflector);
+            let group = self.upload(gpu, &reflector, tiles::of(reflection))?;
             made.push((reflector, group.clone()));
             Ok(group)
         };
@@ -85,7 +88,7 @@ impl Lobes {
     /// as long.
     ///
     /// # Errors
-    /// More layers than the device allows, or a BRDF that does not turn with the view.
+    /// More layers than the device allows, a tile too large for it, or a BRDF that does not turn with the view.
     pub fn of(
         &mut self,
         gpu: &Gpu,
@@ -98,7 +101,7 @@ impl Lobes {
             Reflection::MetallicRoughness { roughness, .. } => {
                 Some(Gray::Rough(roughness.to_bits()))
             }
-            Reflection::Fixed(_) => None,
+            Reflection::Fixed(_) | Reflection::Tile { .. } => None,
         };
         let key = gray.map(|gray| (order, gray));
         if let Some((_, made)) = self.known.iter().find(|(known, _)| Some(*known) == key) {
@@ -106,49 +109,32 @@ impl Lobes {
         }
         check(gpu, order)?;
         let reflector = Reflector::new(reflection, varies, order)?;
-        let group = self.upload(gpu, &reflector);
+        let group = self.upload(gpu, &reflector, tiles::of(reflection))?;
         self.known.extend(key.map(|key| (key, group.clone())));
         Ok(group)
     }
 
-    fn upload(&self, gpu: &Gpu, reflector: &Reflector) -> BindGroup {
+    fn upload(
+        &self,
+        gpu: &Gpu,
+        reflector: &Reflector,
+        tile: Option<&Tile>,
+    ) -> Result<BindGroup, GpuError> {
         let (order, levels) = (reflector.order(), reflector.levels());
-        let size = wgpu::Extent3d {
-            width: STEPS as u32 + 1,
-            height: levels as u32,
-            depth_or_array_layers: layers(order) as u32,
-        };
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("lobes"),
-            size,
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: TextureFormat::Rgba16Float,
-            usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
         let texels = texels(&reflector.sampled(STEPS), order, levels * (STEPS + 1));
-        gpu.queue.write_texture(
-            texture.as_image_copy(),
-            bytemuck::cast_slice(&texels),
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(8 * size.width),
-                rows_per_image: Some(size.height),
-            },
-            size,
-        );
-        let view = texture.create_view(&wgpu::TextureViewDescriptor {
-            // One layer is an array, too.
-            dimension: Some(wgpu::TextureViewDimension::D2Array),
-            ..wgpu::TextureViewDescriptor::default()
-        });
+        let view = gpu.array("lobes", [STEPS + 1, levels, layers(order)], &texels);
+        let tile = tile.map(|tile| tiles::texture(gpu, tile, order));
+        let tile = tile.transpose()?;
         let resources = [
             (0, BindingResource::TextureView(&view)),
             (1, BindingResource::Sampler(&self.sampler)),
+            // Where there is no tile, its place is not looked at.
+            (
+                2,
+                BindingResource::TextureView(tile.as_ref().unwrap_or(&view)),
+            ),
         ];
-        gpu.group("lobes", &self.layout, resources)
+        Ok(gpu.group("lobes", &self.layout, resources))
     }
 }
 

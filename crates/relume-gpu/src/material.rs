@@ -12,6 +12,7 @@ use crate::gpu::Gpu;
 use crate::images::Images;
 use crate::layouts::{self, reflection};
 use crate::pipelines::{Kind, ViewPass};
+use crate::tiles;
 
 /// What of a material can be changed while it is looked at.
 ///
@@ -144,6 +145,7 @@ fn factors(material: &Material) -> layouts::Material {
         metallic: edit.metallic,
         roughness: edit.roughness,
         normal_scale: material.normal_texture.map_or(1.0, |map| map.scale),
+        tile: tiles::size_of(&material.reflection),
     }
 }
 
@@ -158,6 +160,7 @@ fn glossy_kind(world: &World, material: &Material, kind: Kind) -> GlossyKind {
         Reflection::Diffuse => reflection::DIFFUSE,
         Reflection::MetallicRoughness { .. } => reflection::METALLIC_ROUGHNESS,
         Reflection::Fixed(_) => reflection::FIXED,
+        Reflection::Tile { .. } => reflection::TILE,
     };
     GlossyKind {
         kind,

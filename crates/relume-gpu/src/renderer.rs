@@ -17,6 +17,7 @@ use crate::material::{self, GpuMaterial, Passes};
 use crate::mesh::Mesh;
 use crate::pipelines::{Relight, ViewPass};
 use crate::ring::Ring;
+use crate::tiles::{self, Frames};
 use crate::transfer::GpuTransfer;
 use crate::{GpuError, Look, MaterialEdit, Surface, Target};
 
@@ -36,6 +37,8 @@ struct Scene {
     mesh: Mesh,
     materials: Vec<GpuMaterial>,
     transfer: GpuTransfer,
+    /// Where there are tiles.
+    frames: Option<Frames>,
     radiance: BindGroup,
     light: Option<GpuLight>,
     /// Where transfer matrices were uploaded.
@@ -75,7 +78,11 @@ impl Renderer {
     /// # Errors
     /// What is too large for the device, or a transfer of another world; the last scene stays.
     pub fn upload(&mut self, world: &World, transfer: &Transfer) -> Result<(), GpuError> {
-        let uploaded = self.transfer(world.positions.len(), transfer)?;
+        let no_backs = Vec::new();
+        let backs = transfer.back.as_ref();
+        let backs = backs.map_or(&no_backs, |back| &back.vertices);
+        let frames = Frames::new(world, backs);
+        let uploaded = self.transfer(world.positions.len(), transfer, frames.as_ref())?;
         let mesh = Mesh::new(&self.gpu.device, world, &uploaded.backs)?;
         let backs = !uploaded.backs.is_empty();
         let order = uploaded.matrices.as_ref().map(|matrices| matrices.order);
@@ -97,6 +104,7 @@ impl Renderer {
             mesh,
             materials,
             transfer: uploaded,
+            frames,
             light: None,
         });
         Ok(())
@@ -109,7 +117,8 @@ impl Renderer {
     /// As [`Self::upload`], and where the vertices that have a back side are others, or there are matrices of another order than those uploaded.
     pub fn set_transfer(&mut self, transfer: &Transfer) -> Result<(), GpuError> {
         let scene = self.scene.as_ref().ok_or(GpuError::NoScene)?;
-        let uploaded = self.transfer(scene.transfer.vertices, transfer)?;
+        let frames = scene.frames.as_ref();
+        let uploaded = self.transfer(scene.transfer.vertices, transfer, frames)?;
         if uploaded.backs != scene.transfer.backs {
             return Err(GpuError::Mismatch {
                 what: "back sides of a transfer",
@@ -157,7 +166,12 @@ impl Renderer {
         material.edit(&self.gpu, &mut passes, edit)
     }
 
-    fn transfer(&self, vertices: usize, transfer: &Transfer) -> Result<GpuTransfer, GpuError> {
+    fn transfer(
+        &self,
+        vertices: usize,
+        transfer: &Transfer,
+        frames: Option<&Frames>,
+    ) -> Result<GpuTransfer, GpuError> {
         if transfer.vertex_count() != vertices {
             return Err(GpuError::Mismatch {
                 what: "transfer vectors",
@@ -165,7 +179,8 @@ impl Renderer {
                 expected: vertices,
             });
         }
-        GpuTransfer::new(&self.gpu, &self.relight, transfer)
+        let turned = tiles::turned(transfer, frames);
+        GpuTransfer::new(&self.gpu, &self.relight, &turned)
     }
 
     fn radiance_group(&self, transfer: &GpuTransfer) -> BindGroup {

@@ -112,7 +112,7 @@ fn traced(
         seed,
     };
     let behind = |_: DVec3| [f64::from(NOTHING); 3];
-    let (surfaces, light) = (material_surfaces(world), sh_radiance(light));
+    let (surfaces, light) = (material_surfaces(world).ok_or("tiles")?, sh_radiance(light));
     let picture = render_surfaces(world, &surfaces, &light, &behind, camera, &options)?;
     Ok(picture)
 }

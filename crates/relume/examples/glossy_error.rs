@@ -192,7 +192,7 @@ impl Bench {
 
     fn exact(&self, seen: &[Seen], light: &ShLight, bounces: u32) -> Vec<Estimate> {
         let world = &self.world;
-        let surfaces = material_surfaces(world);
+        let surfaces = material_surfaces(world).expect("no tiles are baked here");
         let options = EstimateOptions {
             bounces,
             paths: self.paths,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::DVec3;
-use relume::brdf::{Merl, Phong, Reflection};
+use relume::brdf::{Merl, Phong, Reflection, Tile};
 use relume::scene::{self, Scene};
 
 use super::parse;
@@ -12,8 +12,8 @@ use crate::failure::Failure;
 
 #[derive(Args)]
 pub struct BrdfArgs {
-    /// How all surfaces reflect, instead of what the scene says: lambert, phong, ggx (the metallic-roughness material of glTF), or a measured BRDF of the MERL database [default: as glTF materials say; OBJ and PLY are diffuse]
-    #[arg(long, value_name = "lambert|phong|ggx|FILE.binary", value_parser = model)]
+    /// How all surfaces reflect, instead of what the scene says: lambert, phong, ggx (the metallic-roughness material of glTF), a measured BRDF of the MERL database, or a tile (`relume tile`) [default: as glTF materials say; OBJ and PLY are diffuse]
+    #[arg(long, value_name = "lambert|phong|ggx|FILE.binary|FILE.npz", value_parser = model)]
     pub brdf: Option<Model>,
     /// Diffuse colour of --brdf lambert [default: the scene's] and phong [default: 0.5,0.5,0.5]
     #[arg(long, value_name = "R,G,B", value_parser = parse::albedo, requires = "brdf")]
@@ -33,6 +33,9 @@ pub struct BrdfArgs {
     /// Roughness of --brdf ggx [default: 0.5]
     #[arg(long, value_name = "A", value_parser = parse::share, requires = "brdf")]
     pub roughness: Option<f32>,
+    /// Periods of a tile for each step of 1 of texture coordinates [default: 1]
+    #[arg(long, value_name = "N", value_parser = parse::repeat, requires = "brdf")]
+    pub repeat: Option<f32>,
 }
 
 /// `--brdf`
@@ -46,21 +49,23 @@ pub enum Model {
     Ggx,
     /// As measured in a file of the MERL database.
     Measured(PathBuf),
+    /// A relief that repeats, as `relume tile` wrote it.
+    Tile(PathBuf),
 }
 
 fn model(text: &str) -> Result<Model, String> {
     let path = Path::new(text);
+    let ends = |wanted: &str| {
+        path.extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case(wanted))
+    };
     match text {
         "lambert" => Ok(Model::Lambert),
         "phong" => Ok(Model::Phong),
         "ggx" => Ok(Model::Ggx),
-        _ if path
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("binary")) =>
-        {
-            Ok(Model::Measured(path.to_owned()))
-        }
-        _ => Err("not lambert, phong, ggx or a file whose name ends in .binary".to_owned()),
+        _ if ends("binary") => Ok(Model::Measured(path.to_owned())),
+        _ if ends("npz") => Ok(Model::Tile(path.to_owned())),
+        _ => Err("not lambert, phong, ggx or a file whose name ends in .binary or .npz".to_owned()),
     }
 }
 
@@ -71,15 +76,16 @@ impl Model {
             Self::Phong => "phong",
             Self::Ggx => "ggx",
             Self::Measured(_) => "FILE.binary",
+            Self::Tile(_) => "FILE.npz",
         }
     }
 }
 
 impl BrdfArgs {
-    /// The file of a measured BRDF.
+    /// The file of a measured BRDF or a tile.
     pub fn file(&self) -> Option<&Path> {
         match &self.brdf {
-            Some(Model::Measured(path)) => Some(path),
+            Some(Model::Measured(path) | Model::Tile(path)) => Some(path),
             _ => None,
         }
     }
@@ -105,6 +111,14 @@ impl BrdfArgs {
                 (reflection, self.base_color)
             }
             Some(Model::Measured(path)) => (Reflection::Fixed(Merl::read(path)?.into()), None),
+            Some(Model::Tile(path)) => {
+                let reflection = Reflection::Tile {
+                    tile: Tile::read(path)?.into(),
+                    repeat: self.repeat.unwrap_or(1.0),
+                };
+                warn_of_bare(scene);
+                (reflection, None)
+            }
         };
         if let Some(albedo) = albedo {
             scene::override_albedo(scene, albedo)?;
@@ -125,6 +139,7 @@ impl BrdfArgs {
             ("--base-color", self.base_color.is_some(), &["ggx"]),
             ("--metallic", self.metallic.is_some(), &["ggx"]),
             ("--roughness", self.roughness.is_some(), &["ggx"]),
+            ("--repeat", self.repeat.is_some(), &["FILE.npz"]),
         ];
         for (flag, is_given, owners) in given {
             if is_given && !owners.contains(&model.name()) {
@@ -138,5 +153,16 @@ impl BrdfArgs {
             return Err(what.to_owned());
         }
         Ok(())
+    }
+}
+
+/// Says where a tile has nothing to lie along.
+fn warn_of_bare(scene: &mut Scene) {
+    let bare = scene.meshes.iter().filter(|mesh| mesh.uvs.is_empty());
+    let count = bare.count();
+    if count > 0 {
+        scene.warnings.push(format!(
+            "{count} meshes have no texture coordinates for the tile to lie along; they show its mean"
+        ));
     }
 }

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use relume::bake::BakeOptions;
 use relume::basis::Order;
+use relume::brdf::tile::{MAX_TEXELS, MAX_VIEWS};
 
 /// `--max-edge`
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,6 +50,29 @@ pub fn error(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(error) if range.contains(&error) => Ok(error),
         _ => Err(format!("not an error in {}…{}", range.start(), range.end())),
+    }
+}
+
+pub fn texels(text: &str) -> Result<u32, String> {
+    in_range(text, 1, MAX_TEXELS as u32)
+}
+
+pub fn views(text: &str) -> Result<u32, String> {
+    in_range(text, 2, MAX_VIEWS as u32)
+}
+
+pub fn period(text: &str) -> Result<[f32; 2], String> {
+    let sides: Result<Vec<f32>, _> = text.split(',').map(str::parse).collect();
+    match sides.as_deref() {
+        Ok(&[x, z]) if x > 0.0 && z > 0.0 && x.max(z).is_finite() => Ok([x, z]),
+        _ => Err("not two positive lengths X,Z".to_owned()),
+    }
+}
+
+pub fn repeat(text: &str) -> Result<f32, String> {
+    match text.parse() {
+        Ok(repeat) if (1e-3..=1e6).contains(&repeat) => Ok(repeat),
+        _ => Err("not a number in 0.001…1000000".to_owned()),
     }
 }
 

@@ -115,7 +115,8 @@ impl Shot<'_> {
         if !glossy {
             return reference::render(world, &radiance, &behind, camera, &options);
         }
-        let surfaces = reference::material_surfaces(world);
+        let surfaces = reference::material_surfaces(world)
+            .expect("what is covered with a tile is not compared");
         reference::render_surfaces(world, &surfaces, &radiance, &behind, camera, &options)
     }
 }

@@ -11,6 +11,8 @@ override NORMAL_MAP: bool;
 const DIFFUSE = 0u;
 const METALLIC_ROUGHNESS = 1u;
 const FIXED = 2u;
+// As fixed ones where there are no tangents, else tile.wgsl.
+const TILE = 3u;
 
 const LOBE_QUADS = (ORDER + 3u) / 4u;
 const STEPS = ORDER * (ORDER + 1u) / 2u;
@@ -115,11 +117,15 @@ fn glossy(seen: GlossySeen, @builtin(front_facing) is_front: bool) -> @location(
         return written(vec3f());
     }
     let toward = seen_from_above(normal, -normalize(seen.offset));
+    if REFLECTION == TILE && any(seen.tangent.xyz != vec3f()) {
+        let mirrored = select(-seen.tangent.w, seen.tangent.w, is_front);
+        return written(tiled(corners, seen.weights, normal, seen.tangent.xyz, mirrored, toward, seen.uv));
+    }
     let terms = reflected(corners, seen.weights, normal, toward, roughness);
     if REFLECTION == DIFFUSE {
         return written(color.rgb * terms[0]);
     }
-    if REFLECTION == FIXED {
+    if REFLECTION == FIXED || REFLECTION == TILE {
         return written(vec3f(terms[0].r, terms[1].g, terms[2].b));
     }
     let head_on = mix(vec3f(0.04), color.rgb, metallic);

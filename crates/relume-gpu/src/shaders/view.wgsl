@@ -47,6 +47,8 @@ struct Material {
     metallic: f32,
     roughness: f32,
     normal_scale: f32,
+    // Of a tile: texels along u and v, views along a side of the square, and periods for each step of uv.
+    tile: vec4f,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
