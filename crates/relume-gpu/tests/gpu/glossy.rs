@@ -2,7 +2,8 @@
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use relume::asset::{Precision, Transfer};
-use relume::brdf::{Phong, Reflection};
+use relume::basis::Order;
+use relume::brdf::{Phong, Reflection, Tile, TileShape};
 use relume::display::{Camera, GlossyRadiance, outgoing};
 use relume::light::IncidentLight;
 use relume::scene::{AlphaMode, NormalTexture, Sampler, Texture, World};
@@ -19,6 +20,8 @@ on_each_back_end! {
     backs_reflect_and_masks_have_holes
     edited_materials_are_those_of_the_cpu
     maps_can_be_left_out
+    tiles_are_those_of_the_cpu
+    tiles_past_the_layers_of_the_device_are_refused
     other_views_show_the_diffuse_part
     other_transfers_can_be_shown_and_taken_back
     orders_past_the_layers_of_the_device_are_refused
@@ -219,6 +222,72 @@ fn maps_can_be_left_out(gpu: &Gpu) {
     floor.normal_texture = None;
     let seen = expected(&world, &transfer, &from, EDGE);
     seen.check("without maps", &drawn, VARYING.0, VARYING.1);
+}
+
+/// A tile of any values, of a lower order than the transfer's.
+fn tile(views: usize) -> Reflection {
+    let shape = TileShape {
+        width: 4,
+        height: 3,
+        views,
+        order: Order::new(4).unwrap(),
+    };
+    let value = |i: usize| if i.is_multiple_of(16) { 0.5 } else { 0.0 } + 0.1 * noise(i);
+    let values = (0..shape.count()).map(value).collect();
+    Reflection::Tile {
+        tile: Tile::new(shape, values).unwrap().into(),
+        repeat: 1.5,
+    }
+}
+
+/// [`two_materials`] under a tile; the ball has no tangents.
+fn tiled(views: usize) -> World {
+    let mut world = two_materials();
+    world.materials[0].reflection = tile(views);
+    world.materials[1].reflection = world.materials[0].reflection.clone();
+    let floor = world.instance_vertices[0].clone();
+    world.tangents = vec![Vec4::ZERO; world.positions.len()];
+    for i in floor {
+        let p = world.positions[i];
+        world.uvs[i] = Vec2::new(0.3 + 0.8 * p.x, 0.2 - 0.6 * p.z);
+        world.tangents[i] = Vec4::new(0.8, 0.0, -0.6, -1.0);
+    }
+    world.materials[1].double_sided = true;
+    world
+}
+
+fn tiles_are_those_of_the_cpu(gpu: &Gpu) {
+    let world = tiled(5);
+    let transfer = matrices(&world, (LIGHT, 5), 3);
+    let above = camera(&world);
+    let below = Camera {
+        eye: above.eye * Vec3::new(1.0, -1.0, 1.0),
+        ..above
+    };
+    for (name, from) in [("tile from above", above), ("tile from below", below)] {
+        check(gpu, name, (&world, &transfer), &from, TEXEL, VARYING);
+    }
+    // Another transfer takes the frames that were uploaded.
+    let mut renderer = lit(gpu, &world, &transfer);
+    let before = gpu.draw(&mut renderer, &above, &Look::default(), SIZE);
+    renderer.set_transfer(&transfer).unwrap();
+    renderer.set_light(&distant(LIGHT)).unwrap();
+    let again = gpu.draw(&mut renderer, &above, &Look::default(), SIZE);
+    assert_eq!(before, again);
+}
+
+fn tiles_past_the_layers_of_the_device_are_refused(gpu: &Gpu) {
+    let world = tiled(17);
+    let refused = gpu.renderer().upload(&world, &matrices(&world, (1, 4), 1));
+    let expected = matches!(
+        refused,
+        Err(GpuError::Tile {
+            views: 289,
+            layers: 256,
+            ..
+        })
+    );
+    assert!(expected, "{refused:?}");
 }
 
 fn other_views_show_the_diffuse_part(gpu: &Gpu) {
