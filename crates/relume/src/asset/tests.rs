@@ -327,6 +327,8 @@ mod measured;
 #[cfg(feature = "import")]
 mod real;
 mod refused;
+#[cfg(feature = "bake")]
+mod tiles;
 
 /// An operator over all sides of an asset.
 fn with_gather(mut asset: Asset, channels: usize) -> Asset {

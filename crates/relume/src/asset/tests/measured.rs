@@ -21,13 +21,18 @@ fn order(n: usize) -> Order {
 
 /// A ball over a floor, both of a Phong lobe as a goniometer sees it.
 fn asset() -> Asset {
-    let mut scene = bundled::plane_under_sphere(0.5, 0.7, 2.0, 6, 0.6);
     let phong = Brdf::from(Phong {
         diffuse: DVec3::new(0.3, 0.2, 0.1),
         specular: DVec3::splat(0.4),
         exponent: 9.0,
     });
-    override_reflection(&mut scene, Reflection::Fixed(measured(&phong).into()));
+    covered(Reflection::Fixed(measured(&phong).into()))
+}
+
+/// A ball over a floor, both of a reflection.
+pub fn covered(reflection: Reflection) -> Asset {
+    let mut scene = bundled::plane_under_sphere(0.5, 0.7, 2.0, 6, 0.6);
+    override_reflection(&mut scene, reflection);
     let options = BakeOptions {
         order: order(2),
         transfer_order: Some(order(3)),
@@ -46,7 +51,7 @@ fn asset() -> Asset {
 }
 
 /// Radiance of every vertex toward an eye, as the asset alone says it.
-fn shaded(asset: &Asset) -> Vec<[f32; 3]> {
+pub fn shaded(asset: &Asset) -> Vec<[f32; 3]> {
     let world = World::new(&asset.scene);
     let light = ShLight::new(
         order(2),
@@ -58,7 +63,7 @@ fn shaded(asset: &Asset) -> Vec<[f32; 3]> {
     outgoing.radiance(&asset.transfer, &transferred, DVec3::new(0.5, 3.0, 2.0))
 }
 
-fn headers(document: &mut Value) -> impl Iterator<Item = &mut Value> {
+pub fn headers(document: &mut Value) -> impl Iterator<Item = &mut Value> {
     let nodes = document["nodes"].as_array_mut().unwrap();
     nodes
         .iter_mut()
