@@ -86,6 +86,22 @@ fn monitor(cancelled: &AtomicBool) -> Monitor<'_> {
     }
 }
 
+/// Height and colour where pebbles at places (x, z), of a radius and a number, lie in sand that is a little below the surface.
+fn surface(places: &[(f64, f64, f64, usize)], u: f64, v: f64) -> (f64, [f32; 3]) {
+    let (mut height, mut color) = (0.0, [0.25, 0.2, 0.16]);
+    for &(x, z, radius, i) in places {
+        let around = |d: f64| d - d.round();
+        let (dx, dz) = (around(u - x), around(v - z));
+        let inside = 1.0 - (dx * dx + dz * dz) / (radius * radius);
+        let here = 0.75 * radius * inside.max(0.0).sqrt();
+        if here > height {
+            let tone = |c: usize| 0.5 + 0.22 * libm::sin((i * (c + 2)) as f64) as f32;
+            (height, color) = (here, [tone(0), tone(1), tone(2)]);
+        }
+    }
+    (height - 0.04, color)
+}
+
 /// One period: pebbles in a bed of sand, as a height field.
 fn pebbles() -> Scene {
     let steps = 96;
@@ -97,20 +113,7 @@ fn pebbles() -> Scene {
         (x, z, 0.125 + 0.3 * jitter(7), i)
     });
     let places: Vec<_> = places.collect();
-    let surface = |u: f64, v: f64| {
-        let (mut height, mut color) = (0.0, [0.25, 0.2, 0.16]);
-        for &(x, z, radius, i) in &places {
-            let around = |d: f64| d - d.round();
-            let (dx, dz) = (around(u - x), around(v - z));
-            let inside = 1.0 - (dx * dx + dz * dz) / (radius * radius);
-            let here = 0.75 * radius * inside.max(0.0).sqrt();
-            if here > height {
-                let tone = |c: usize| 0.5 + 0.22 * libm::sin((i * (c + 2)) as f64) as f32;
-                (height, color) = (here, [tone(0), tone(1), tone(2)]);
-            }
-        }
-        (height - 0.04, color)
-    };
+    let surface = |u: f64, v: f64| surface(&places, u, v);
     let point = |u: f64, v: f64| {
         let (height, color) = surface(u, v);
         let step = 0.5 / steps as f64;

@@ -135,7 +135,7 @@ impl<'p> Gather<'p> {
             return None;
         }
         let side = if met.hit.front { 1.0 } else { -1.0 };
-        let [a, b, c] = world.corners(triangle).map(|p| p.as_dvec3());
+        let [a, b, c] = world.corners(triangle).map(Vec3::as_dvec3);
         let facing = (b - a).cross(c - a).normalize_or_zero() * side;
         let normal = world.shading_point(triangle, met.hit.weights()).normal;
         let normal = normal.as_dvec3() * side;
