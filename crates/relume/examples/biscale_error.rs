@@ -5,6 +5,8 @@
 //! Bakes the scene, renders it under a sky with its sun, traces the same picture with PATHS paths a pixel, twice, and prints relative RMS differences over
 //! the pixels that show a surface. PICTURE shows ours, the paths', and the absolute difference.
 
+mod pictures;
+
 use std::error::Error;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -18,8 +20,8 @@ use relume::light::{self, IncidentLight, LightOptions, ShLight};
 use relume::reference::{RenderOptions, material_surfaces, render_surfaces, sh_radiance};
 use relume::scene::{self, ImportOptions, World};
 
-/// What stands behind the scene: far below any radiance, so that its pixels are known.
-const NOTHING: f32 = -1e6;
+use pictures::NOTHING;
+
 /// Pixels of the picture, each way.
 const SIZE: u32 = 480;
 
@@ -50,18 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let trace = |seed| traced(&world, &light, &camera, (paths, options.bounces), seed);
     let (first, second) = (trace(1)?, trace(2)?);
     println!("traced in {:.1} s", start.elapsed().as_secs_f64());
-    let mean = combined(&first, &second, |a, b| (a + b) / 2.0);
-    let noise = difference(&first, &second, &mean) / 2.0;
-    let off = difference(&ours, &mean, &mean);
-    println!(
-        "off by {:.2} %, paths' noise {:.2} %, without it {:.2} %",
-        100.0 * off,
-        100.0 * noise,
-        100.0 * (off * off - noise * noise).max(0.0).sqrt()
-    );
-    let shown = |picture: &Picture| combined(picture, picture, |a, _| a.max(0.0));
-    let error = combined(&ours, &mean, |a, b| (a - b).abs());
-    let strip = display::strip(&[shown(&ours), shown(&mean), shown(&error)], 0, [0.0; 3]);
+    let strip = pictures::compared(&ours, &first, &second);
     strip.write(output.as_ref(), &ToneMap::default())?;
     Ok(())
 }
@@ -115,32 +106,4 @@ fn traced(
     let (surfaces, light) = (material_surfaces(world).ok_or("tiles")?, sh_radiance(light));
     let picture = render_surfaces(world, &surfaces, &light, &behind, camera, &options)?;
     Ok(picture)
-}
-
-/// Pixel by pixel and channel by channel.
-fn combined(a: &Picture, b: &Picture, of: impl Fn(f32, f32) -> f32) -> Picture {
-    let pairs = a.pixels.iter().zip(&b.pixels);
-    Picture {
-        width: a.width,
-        height: a.height,
-        pixels: pairs
-            .map(|(a, b)| std::array::from_fn(|c| of(a[c], b[c])))
-            .collect(),
-    }
-}
-
-/// Relative RMS over the pixels that show nothing but surfaces.
-fn difference(a: &Picture, b: &Picture, scale: &Picture) -> f64 {
-    let (mut off, mut all) = (0.0, 0.0);
-    for ((a, b), scale) in a.pixels.iter().zip(&b.pixels).zip(&scale.pixels) {
-        // A camera ray that leaves the scene outweighs all that a surface sends.
-        if a[0].min(b[0]).min(scale[0]) < -1e3 {
-            continue;
-        }
-        for c in 0..3 {
-            off += f64::from(a[c] - b[c]).powi(2);
-            all += f64::from(scale[c]).powi(2);
-        }
-    }
-    (off / all).sqrt()
 }

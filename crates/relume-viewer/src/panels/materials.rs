@@ -44,9 +44,13 @@ pub fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
 }
 
 fn controls(material: &Material, glossy: bool, edit: &mut MaterialEdit, ui: &mut egui::Ui) {
-    let fixed = glossy && matches!(material.reflection, Reflection::Fixed(_));
+    let fixed = glossy
+        && matches!(
+            material.reflection,
+            Reflection::Fixed(_) | Reflection::Tile { .. }
+        );
     if fixed {
-        ui.weak("A BRDF with colours of its own, which cannot be edited yet.");
+        ui.weak("A BRDF or a tile with colours of its own, which cannot be edited yet.");
     }
     egui::Grid::new("material").num_columns(2).show(ui, |ui| {
         if !fixed {

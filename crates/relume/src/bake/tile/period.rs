@@ -36,7 +36,7 @@ pub struct Period<'w> {
     pub top: f32,
 }
 
-/// What a ray met, and where it started from in the middle cell, whole periods away.
+/// What a ray met, and where: whole periods from the same point of the middle cell.
 #[derive(Clone, Copy, Debug)]
 pub struct Met {
     pub hit: Hit,
