@@ -104,8 +104,8 @@ fn what_is_no_tile_or_no_relief_is_refused_in_a_line() {
     }
     // These read the scene first, and warn of it.
     for (flags, part) in [
-        ("--period 0.3,1", "a period of 0.3 × 1"),
-        ("--size 1024 --views 64", "fewer texels"),
+        ("--period 0.3,1", "a --period of 0.3 × 1"),
+        ("--size 1024 --views 64", "take another --size"),
     ] {
         let output = bench.run(&format!("tile relief.obj -o out.npz {flags}"));
         assert_eq!(output.status.code(), Some(1));

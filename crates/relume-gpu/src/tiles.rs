@@ -35,6 +35,9 @@ pub fn size_of(reflection: &Reflection) -> [f32; 4] {
     }
 }
 
+/// The most texels of a tile: 1 GiB.
+const MOST_TEXELS: usize = 1 << 27;
+
 /// How a tile lies in a layer of its texture: cells of four coefficients of a channel, each with a gutter that repeats the other side.
 struct Cells {
     /// Cells in a row.
@@ -48,7 +51,7 @@ struct Cells {
 
 impl Cells {
     fn of(tile: &Tile, order: Order) -> Self {
-        let (count, shape) = (3 * order.count().div_ceil(4), tile.shape());
+        let (count, shape) = (3 * quads(tile, order), tile.shape());
         Self {
             across: (1..).find(|side| side * side >= count).unwrap_or(1),
             count,
@@ -61,6 +64,13 @@ impl Cells {
         let rows = self.count.div_ceil(self.across);
         (self.across * self.width, rows * self.height)
     }
+}
+
+/// Groups of four coefficients, as [`sequence`] has them for `order`, up to the last that the tile knows of.
+pub fn quads(tile: &Tile, order: Order) -> usize {
+    let known = |place: &Option<usize>| place.is_some_and(|p| p < tile.shape().order.count());
+    let last = sequence(order).iter().rposition(known);
+    last.map_or(0, |last| last / 4 + 1)
 }
 
 /// The texture of a tile for transferred radiance of `order`: a layer for each view (see tile.wgsl).
@@ -76,7 +86,7 @@ pub fn texture(gpu: &Gpu, tile: &Tile, order: Order) -> Result<TextureView, GpuE
         gpu.largest_texture(),
         limits.max_texture_array_layers as usize,
     );
-    if width.max(height) > side || views > layers {
+    if width.max(height) > side || views > layers || width * height * views > MOST_TEXELS {
         return Err(GpuError::Tile {
             views,
             layers,
@@ -95,7 +105,8 @@ fn layer(tile: &Tile, view: usize, order: Order, cells: &Cells) -> Vec<[u16; 4]>
     let (shape, (width, height)) = (tile.shape(), cells.extent());
     let count = shape.order.count();
     let mut texels = vec![[0; 4]; width * height];
-    for (quad, places) in sequence(order).chunks_exact(4).enumerate() {
+    let order = sequence(order);
+    for (quad, places) in order.chunks_exact(4).take(cells.count / 3).enumerate() {
         for channel in 0..3 {
             let cell = 3 * quad + channel;
             let corner =
@@ -109,14 +120,18 @@ fn layer(tile: &Tile, view: usize, order: Order, cells: &Cells) -> Vec<[u16; 4]>
                 texels[corner + y * width + x] = std::array::from_fn(|lane| {
                     // Degrees that the tile has not are dark.
                     let place = places[lane].filter(|&place| place < count);
-                    place.map_or(0, |place| {
-                        f16::from_f32(tile.values()[vector + place]).to_bits()
-                    })
+                    place.map_or(0, |place| half(tile.values()[vector + place]))
                 });
             }
         }
     }
     texels
+}
+
+/// As near as half floats come.
+fn half(value: f32) -> u16 {
+    let most = f16::MAX.to_f32();
+    f16::from_f32(value.clamp(-most, most)).to_bits()
 }
 
 /// Where tiles lie: the frames of sides (vertices, then backs) that are covered with one.

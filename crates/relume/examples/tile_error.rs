@@ -259,14 +259,6 @@ fn traced(
     };
     let behind = |_: DVec3| [f64::from(NOTHING); 3];
     let (surfaces, light) = (material_surfaces(world).ok_or("tiles")?, sh_radiance(light));
-    let mut picture = render_surfaces(world, &surfaces, &light, &behind, &camera(), &options)?;
-    // Of a million camera rays some ten slip through between two triangles; they count as black.
-    let one = NOTHING / paths as f32;
-    for pixel in &mut picture.pixels {
-        let leaks = (pixel[0] / one).ceil().max(0.0);
-        if leaks <= paths as f32 / 64.0 {
-            *pixel = pixel.map(|x| x - leaks * one);
-        }
-    }
+    let picture = render_surfaces(world, &surfaces, &light, &behind, &camera(), &options)?;
     Ok(picture)
 }

@@ -21,14 +21,16 @@ fn tiled(corners: vec3u, weights: vec3f, normal: vec3f, along: vec3f, mirrored: 
     let size = material.tile.xy;
     let texel = fract(uv * material.tile.w) * size + 1.0;
     let extent = vec2f(textureDimensions(tile));
-    let cells = u32(round(extent.x / (size.x + 2.0)));
+    let cells = vec2u(round(extent / (size + 2.0)));
+    // Past the last that the tile knows of all is dark.
+    let quads = min((ORDER * ORDER + 3u) / 4u, cells.x * cells.y / 3u);
 
     var sums = vec3f();
-    for (var quad = 0u; quad < (ORDER * ORDER + 3u) / 4u; quad++) {
+    for (var quad = 0u; quad < quads; quad++) {
         let incident = four(corners, weights, quad);
         for (var channel = 0u; channel < 3u; channel++) {
             let cell = 3u * quad + channel;
-            let corner = vec2f(vec2u(cell % cells, cell / cells)) * (size + 2.0);
+            let corner = vec2f(vec2u(cell % cells.x, cell / cells.x)) * (size + 2.0);
             let at = (corner + texel) / extent;
             let near = mix(
                 textureSampleLevel(tile, lobes_sampler, at, view, 0.0),

@@ -2,7 +2,7 @@
 
 use relume::display::{self, Picture};
 
-/// What stands behind a scene: far below any radiance, so that its pixels are known, and a power of two, so that it can be taken off again.
+/// What stands behind a scene: far below any radiance, so that its pixels are known.
 pub const NOTHING: f32 = -65_536.0;
 
 /// Says how far `ours` is from the mean of two pictures by paths, and how far these are from each other; returns ours, the mean and the absolute

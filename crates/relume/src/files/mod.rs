@@ -1,5 +1,6 @@
 //! Writing files whole or not at all, and numbers that live in memory or in a file.
 
+mod npy;
 pub mod npz;
 mod rows;
 mod temporary;

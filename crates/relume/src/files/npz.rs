@@ -4,12 +4,12 @@ use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Seek, Write};
 use std::path::Path;
 
-use npyz::{NpyFile, WriterBuilder};
+use npyz::WriterBuilder;
 use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
-use super::write_atomically;
+use super::{npy, write_atomically};
 
 /// From this many bytes on an entry says its length in 64 bits.
 const LARGE: u64 = 0xf000_0000;
@@ -27,11 +27,11 @@ pub fn save(
     })
 }
 
-/// Reads the array `name`, float32 or float64 in C order: its shape and its values, of which there are `most` at most.
+/// Reads the array `name`, float32 or float64 in C order: its shape and its values, of which there are 2²⁸ at most.
 ///
 /// # Errors
 /// What is wrong with the file, or with the array; nothing is believed of its lengths.
-pub fn load(path: &Path, name: &str, most: u64) -> io::Result<(Vec<u64>, Vec<f32>)> {
+pub fn load(path: &Path, name: &str) -> io::Result<(Vec<u64>, Vec<f32>)> {
     let wrong = |what: String| io::Error::new(io::ErrorKind::InvalidData, what);
     // Asked before opening: opening a pipe would wait.
     if !std::fs::metadata(path)?.is_file() {
@@ -45,42 +45,7 @@ pub fn load(path: &Path, name: &str, most: u64) -> io::Result<(Vec<u64>, Vec<f32
             _ => format!("has a packed or broken array {name}; save it with numpy.savez"),
         })
     })?;
-    let array = NpyFile::new(BufReader::new(entry))
-        .map_err(|_| wrong(format!("has no readable header in its array {name}")))?;
-    let shape = array.shape().to_vec();
-    let count = shape.iter().try_fold(1_u64, |n, &side| n.checked_mul(side));
-    let count = count.filter(|&count| count <= most).ok_or_else(|| {
-        wrong(format!(
-            "has an array {name} of {shape:?}, more than {most} values"
-        ))
-    })?;
-    if array.order() != npyz::Order::C {
-        return Err(wrong(format!(
-            "has its array {name} in Fortran order; save numpy.ascontiguousarray of it"
-        )));
-    }
-    let cut = |_| wrong(format!("ends within its array {name}"));
-    let values = match array.dtype().descr().trim_matches('\'') {
-        // One by one: room is taken for what is there, not for what the header says.
-        "<f4" => {
-            let values = array.data::<f32>().map_err(io::Error::other)?;
-            values.collect::<io::Result<Vec<f32>>>().map_err(cut)?
-        }
-        "<f8" => {
-            let values = array.data::<f64>().map_err(io::Error::other)?;
-            let values = values.map(|value| value.map(|value| value as f32));
-            values.collect::<io::Result<Vec<f32>>>().map_err(cut)?
-        }
-        other => {
-            return Err(wrong(format!(
-                "has its array {name} as {other}; save it as float32"
-            )));
-        }
-    };
-    match values.len() as u64 == count {
-        true => Ok((shape, values)),
-        false => Err(wrong(format!("ends within its array {name}"))),
-    }
+    npy::read(BufReader::new(entry)).map_err(|what| wrong(format!("its array {name} {what}")))
 }
 
 /// An uncompressed zip of `.npy` files.

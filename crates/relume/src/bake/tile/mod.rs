@@ -61,31 +61,33 @@ pub enum TileBakeError {
     /// It was cancelled.
     #[error("cancelled")]
     Cancelled,
-    /// A period without length, or of so little that its copies lie over one another.
+    /// No triangles.
+    #[error("it has no surfaces")]
+    Empty,
+    /// No length along an axis.
     #[error(
-        "the scene is {0} × {1} along x and z, and a period of {2} × {3} does not repeat it: it takes at least half of that"
+        "it is {0} × {1} along x and z; a relief is y up and has both: turn it, or give --period X,Z"
+    )]
+    Flat(f32, f32),
+    /// A period of so little that copies lie over more than their neighbours.
+    #[error(
+        "it is {0} × {1} along x and z, more than twice a --period of {2} × {3}: copies would lie over one another"
     )]
     Period(f32, f32, f32, f32),
     /// A shape that no tile has.
-    #[error(transparent)]
+    #[error("{0}: take another --size, --views, --order or --period")]
     Shape(#[from] TileError),
     /// A material that is a tile itself.
-    #[error("its surfaces are tiles themselves; bake them from a scene with materials")]
-    Nested,
-    /// More values than a tile may have.
     #[error(
-        "{0} values are more than the 268,435,456 of a tile; ask for fewer texels or views, or a lower order"
+        "its surfaces are tiles themselves; bake them from their materials, without --brdf FILE.npz"
     )]
-    TooLarge(u64),
+    Nested,
 }
-
-/// The most values of a tile.
-const MOST: u64 = 1 << 28;
 
 /// Bakes one period of a relief, y up: its x runs along u, its z along v, and y = 0 is the surface that it lies on.
 ///
 /// Each path leaves a texel's share of the surface toward the view the other way round: from the first point a view ray meets it is reflected by
-/// the BRDF there, `bounces` times at most, and adds the basis functions of the direction it leaves by. Same bytes on any number of threads.
+/// the BRDF there, and at up to `bounces` points more, and adds the basis functions of the direction it leaves by. Same bytes on any number of threads.
 ///
 /// # Errors
 /// [`TileBakeError`].
@@ -95,13 +97,15 @@ pub fn bake_tile(
     monitor: &Monitor<'_>,
 ) -> Result<Tile, TileBakeError> {
     let plain = World::new(scene);
-    let (low, high) = plain.bounds().unwrap_or_default();
+    let (low, high) = plain.bounds().ok_or(TileBakeError::Empty)?;
     let size = high - low;
     let [along, across] = options.period.unwrap_or([size.x, size.z]);
     // Copies overlap no farther than their neighbours' neighbours.
-    let reaches =
-        |period: f32, size: f32| period.is_finite() && period > 0.0 && size <= 2.0 * period;
-    if !reaches(along, size.x) || !reaches(across, size.z) {
+    let is_length = |period: f32| period.is_finite() && period > 0.0;
+    if !is_length(along) || !is_length(across) {
+        return Err(TileBakeError::Flat(along, across));
+    }
+    if size.x > 2.0 * along || size.z > 2.0 * across {
         return Err(TileBakeError::Period(size.x, size.z, along, across));
     }
     if (0..plain.triangles.len() as u32).any(|t| plain.brdf_at(t, [1.0, 0.0, 0.0]).is_none()) {
@@ -117,9 +121,6 @@ pub fn bake_tile(
         order: options.order,
     }
     .checked()?;
-    if shape.count() as u64 > MOST {
-        return Err(TileBakeError::TooLarge(shape.count() as u64));
-    }
     let copies = period::copies(scene, [along, across]);
     let period = Period::new(&copies, (low, high), [along, across]);
     let values = vectors(&period, shape, options, monitor)?;

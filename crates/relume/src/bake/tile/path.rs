@@ -114,7 +114,8 @@ impl<'p> Gather<'p> {
     fn seen(&mut self, at: [f64; 2], towards: DVec3) -> Option<Point> {
         let period = self.period;
         let thickness = period.top.max(0.0) - period.bottom.min(0.0);
-        let height = period.top.max(0.0) + 1e-3 * thickness.max(period.sides[0]);
+        let height =
+            period.top.max(0.0) + 1e-3 * thickness.max(period.sides[0]).max(period.sides[1]);
         let along = f64::from(height) / towards.y;
         let origin = period.place(at, 0.0).as_dvec3() + towards * along;
         let away = -towards.as_vec3();
@@ -143,7 +144,8 @@ impl<'p> Gather<'p> {
         let (tangent, bitangent) = normal.any_orthonormal_pair();
         let frame = [tangent, bitangent, normal];
         // Half-ulps of the largest coordinate, as the point is rounded, and a little of the period.
-        let largest = met.point.abs().max_element().max(self.period.sides[0]);
+        let [along, across] = self.period.sides;
+        let largest = met.point.abs().max_element().max(along).max(across);
         let lift = f64::from(16.0 * f32::EPSILON * largest);
         Some(Point {
             origin: (met.point.as_dvec3() + facing * lift).as_vec3(),

@@ -353,16 +353,21 @@ fn the_same_values_on_any_number_of_threads_and_nothing_without_a_period() {
     };
     let error = |options: &TileOptions| bake_tile(&scene, options, &monitor).unwrap_err();
     assert_eq!(error(&options), TileBakeError::Cancelled);
-    for period in [[0.0, 1.0], [1.0, f32::NAN], [0.4, 1.0]] {
-        let wrong = TileOptions {
+    let of_period = |period| {
+        error(&TileOptions {
             period: Some(period),
             ..options
-        };
+        })
+    };
+    for period in [[0.0, 1.0], [1.0, f32::NAN], [-1.0, 1.0]] {
         assert!(
-            matches!(error(&wrong), TileBakeError::Period(..)),
+            matches!(of_period(period), TileBakeError::Flat(..)),
             "{period:?}"
         );
     }
+    assert!(matches!(of_period([0.4, 1.0]), TileBakeError::Period(..)));
+    let nothing = bake_tile(&Scene::default(), &options, &monitor);
+    assert_eq!(nothing.unwrap_err(), TileBakeError::Empty);
     let wrong = TileOptions {
         texels: 0,
         ..options
@@ -373,5 +378,8 @@ fn the_same_values_on_any_number_of_threads_and_nothing_without_a_period() {
         views: 64,
         ..options
     };
-    assert!(matches!(error(&wrong), TileBakeError::TooLarge(_)));
+    assert!(matches!(
+        error(&wrong),
+        TileBakeError::Shape(TileError::TooLarge(_))
+    ));
 }

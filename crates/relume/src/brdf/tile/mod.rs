@@ -59,11 +59,18 @@ pub enum TileError {
         /// As the shape has it.
         expected: usize,
     },
-    /// A value that is no number.
-    #[error("value {0} is not finite")]
-    NotFinite(usize),
+    /// More values than are believed.
+    #[error("{0} values are more than the {MAX_VALUES} of a tile")]
+    TooLarge(u64),
+    /// A value that is no number, or larger than any reflection.
+    #[error("value {0} is {1}, which is no reflection: they lie within ±1e8")]
+    Value(usize, f32),
 }
 
+/// The most values of a tile.
+const MAX_VALUES: u64 = 1 << 28;
+/// The largest value that is believed: times the largest light it still fits f32.
+const LARGEST: f32 = 1e8;
 /// The most texels along a side.
 pub const MAX_TEXELS: usize = 1024;
 /// The most views along a side.
@@ -84,9 +91,14 @@ impl TileShape {
     pub fn checked(self) -> Result<Self, TileError> {
         let texels = 1..=MAX_TEXELS;
         let fits = texels.contains(&self.width) && texels.contains(&self.height);
-        match fits && (2..=MAX_VIEWS).contains(&self.views) {
-            true => Ok(self),
-            false => Err(TileError::Shape(self.width, self.height, self.views)),
+        if !fits || !(2..=MAX_VIEWS).contains(&self.views) {
+            return Err(TileError::Shape(self.width, self.height, self.views));
+        }
+        let sides = [self.width, self.height, self.views, self.views];
+        let texels: u64 = sides.iter().map(|&side| side as u64).product();
+        match texels * 3 * self.order.count() as u64 {
+            count if count > MAX_VALUES => Err(TileError::TooLarge(count)),
+            _ => Ok(self),
         }
     }
 
@@ -107,8 +119,9 @@ impl Tile {
         if found != expected {
             return Err(TileError::Count { found, expected });
         }
-        if let Some(place) = values.iter().position(|value| !value.is_finite()) {
-            return Err(TileError::NotFinite(place));
+        let believed = |value: &f32| value.abs() <= LARGEST;
+        if let Some(place) = values.iter().position(|value| !believed(value)) {
+            return Err(TileError::Value(place, values[place]));
         }
         let mut sums = vec![0.0_f64; shape.stride()];
         for texel in values.chunks_exact(shape.stride()) {
@@ -198,8 +211,8 @@ impl Tile {
     }
 }
 
-/// Turns of [`Tile::cosines`]: more than any order has longitudes.
-const TURNS: u32 = 48;
+/// Turns of [`Tile::cosines`]: as many as the highest order has longitudes, and one.
+const TURNS: u32 = 64;
 
 impl std::fmt::Debug for Tile {
     /// By its shape and a sum: tiles that differ are told apart, as fingerprints of bakes must.
@@ -259,11 +272,11 @@ mod tests {
     #[test]
     fn what_is_no_tile_is_refused() {
         let mut values = flat().values().to_vec();
-        values[7] = f32::NAN;
-        assert_eq!(
-            Tile::new(shape(), values.clone()),
-            Err(TileError::NotFinite(7))
-        );
+        for wrong in [f32::NAN, f32::INFINITY, -2e8] {
+            values[7] = wrong;
+            let refused = Tile::new(shape(), values.clone());
+            assert!(matches!(refused, Err(TileError::Value(7, _))));
+        }
         values.pop();
         assert!(matches!(
             Tile::new(shape(), values),
@@ -280,6 +293,14 @@ mod tests {
                 Err(TileError::Shape(..))
             ));
         }
+        // Past 32 bits.
+        let wrong = TileShape {
+            width: 1024,
+            height: 1024,
+            views: 64,
+            order: Order::new(32).unwrap(),
+        };
+        assert_eq!(wrong.checked(), Err(TileError::TooLarge(3 << 42)));
     }
 
     #[test]

@@ -49,7 +49,8 @@ pub(super) fn read(
         mesh.uvs = uvs.into_iter().map(Vec2::from).collect();
     }
     let mapped = scene.materials[material].normal_texture.is_some();
-    if let Some(index) = attribute("TANGENT").filter(|_| mapped && !mesh.uvs.is_empty()) {
+    let wanted = (mapped || materials.wants_maps()) && !mesh.uvs.is_empty();
+    if let Some(index) = attribute("TANGENT").filter(|_| wanted) {
         mesh.tangents = read_tangents(data, index, count, place)?;
     }
     if let Some(index) = attribute("COLOR_0") {
