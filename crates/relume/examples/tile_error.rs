@@ -259,6 +259,12 @@ fn traced(
     };
     let behind = |_: DVec3| [f64::from(NOTHING); 3];
     let (surfaces, light) = (material_surfaces(world).ok_or("tiles")?, sh_radiance(light));
-    let picture = render_surfaces(world, &surfaces, &light, &behind, &camera(), &options)?;
-    Ok(picture)
+    Ok(render_surfaces(
+        world,
+        &surfaces,
+        &light,
+        &behind,
+        &camera(),
+        &options,
+    )?)
 }
