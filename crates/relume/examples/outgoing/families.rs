@@ -43,7 +43,7 @@ pub fn all(brdf: &Brdf, operator: &Operator) -> Result<Vec<Vec<Way>>, Box<dyn Er
         _ => Vec::new(),
     };
     Ok(vec![
-        vec![library(brdf, operator.order)?],
+        vec![reflector(brdf, operator.order)?],
         vec![Way::table(operator)],
         of(&[m, 2 * m, 3 * m], project::sphere)?,
         of(&small, project::fitted)?,
@@ -61,7 +61,7 @@ pub fn all(brdf: &Brdf, operator: &Operator) -> Result<Vec<Vec<Way>>, Box<dyn Er
 }
 
 /// The library's reflector: lobes in the plane of view in f64, three BRDFs and three channels at once.
-fn library(brdf: &Brdf, order: Order) -> Result<Way, Box<dyn Error>> {
+fn reflector(brdf: &Brdf, order: Order) -> Result<Way, Box<dyn Error>> {
     let reflector = Reflector::new(&Reflection::Fixed(brdf.clone()), false, order)?;
     Ok(Way {
         name: "the library's, 3 channels",
@@ -69,7 +69,7 @@ fn library(brdf: &Brdf, order: Order) -> Result<Way, Box<dyn Error>> {
         // The angles, and one beyond each end.
         material_bytes: 8 * 67 * 3 * order.count(),
         blocks: Vec::new(),
-        basis: Basis::Library(Box::new(reflector)),
+        basis: Basis::Reflector(Box::new(reflector)),
     })
 }
 

@@ -25,7 +25,7 @@ pub enum Space {
     /// Of the world, by azimuth.
     World,
     /// Of the world, in the library's order.
-    Library,
+    Reflector,
 }
 
 /// A way, for one material. Under a light it makes a state of a vertex's transferred radiance, and of the state radiance toward an eye.
@@ -50,7 +50,7 @@ pub struct Block {
 /// How a state becomes radiance toward an eye.
 pub enum Basis {
     /// The library's.
-    Library(Box<Reflector>),
+    Reflector(Box<Reflector>),
     /// `o_lμ(θ)`, f32, linear between the steps.
     Table(Table),
     /// Harmonics of the view, of its mirror image, or of the view with the hemisphere stretched to a sphere.
@@ -124,7 +124,7 @@ impl Way {
 
     pub fn space(&self) -> Space {
         match self.basis {
-            Basis::Library(..) => Space::Library,
+            Basis::Reflector(..) => Space::Reflector,
             Basis::Plane(_) | Basis::Fitted(_) => Space::World,
             _ => Space::Tangent,
         }
@@ -156,7 +156,7 @@ impl Way {
     /// Radiance toward an eye.
     pub fn view(&self, state: &[f32], eye: &Eye, scratch: &mut Scratch) -> f32 {
         match &self.basis {
-            Basis::Library(reflector) => scratch.library(reflector, state, eye),
+            Basis::Reflector(reflector) => scratch.reflector(reflector, state, eye),
             Basis::Table(table) => toward(table, state, eye.local),
             Basis::Harmonics(harmonics, direction) => {
                 harmonics.sum(state, direction.of(eye.local), None)
@@ -196,7 +196,7 @@ impl Scratch {
         }
     }
 
-    fn library(&mut self, reflector: &Reflector, state: &[f32], eye: &Eye) -> f32 {
+    fn reflector(&mut self, reflector: &Reflector, state: &[f32], eye: &Eye) -> f32 {
         // What the BRDF has of its own is all there is to it.
         let finish = brdf::Finish {
             base_color: DVec3::ONE,

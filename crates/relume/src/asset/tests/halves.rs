@@ -209,7 +209,7 @@ fn floats_called_half_floats_are_refused_by_their_length() {
 
 #[test]
 fn the_gather_operator_stays_in_floats() {
-    let asset = halved(with_gather(samples::asset(), 3));
+    let asset = halved(gather::with_gather(samples::asset(), 3));
     let weights = &asset.transfer.gather.as_ref().unwrap().weights;
     assert!(weights.iter().any(|&weight| rounded(weight) != weight));
     let read = from_glb(&glb(&asset)).unwrap();
