@@ -14,6 +14,7 @@
 //! | `hemisphere` | the fit of a function that only a hemisphere sees | [`Hemisphere`] |
 //! | `product` | the expansion of a product, triple products | [`Product`] |
 //! | `zonal` | lobes about an axis, convolution with them | [`Zonal`] |
+//! | `polygon` | integrals over polygons, as a point sees them | [`PolygonHarmonics`] |
 //! | `window` | against ringing | [`Window`], [`hann`], [`gauss`] |
 //! | `convention` | how other programs write the same coefficients | [`Convention`] |
 //!
@@ -38,6 +39,7 @@ mod euler;
 mod fixtures;
 mod hemisphere;
 mod order;
+pub(crate) mod polygon;
 mod product;
 mod project;
 mod quadrature;
@@ -51,6 +53,7 @@ pub use euler::{Angle, Euler, EulerRotation};
 pub use hemisphere::Hemisphere;
 pub(crate) use hemisphere::inverse;
 pub use order::{Order, OrderError, index};
+pub use polygon::{PolygonHarmonics, PolygonWork};
 pub use product::{Entry, Product};
 pub use project::{evaluate, evaluate_rgb, project, project_samples};
 pub use quadrature::{Quadrature, gauss_legendre};

@@ -14,6 +14,7 @@ mod cross;
 mod dds;
 mod decode;
 mod decoded;
+pub mod emitter;
 mod environment;
 mod error;
 mod faces;

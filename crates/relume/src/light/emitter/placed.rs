@@ -1,0 +1,277 @@
+//! Emitters where they stand, as convex polygons and spheres in the world.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::pattern::{Cells, radiance};
+use super::shapes::area_vector;
+use super::{Emitter, EmitterMesh, Emitters, Pattern, Shape};
+
+/// All faces of all emitters in the world, for a frame.
+#[derive(Clone, Debug, Default)]
+pub struct Placed {
+    /// Faces; those of spheres too, for what spheres hide.
+    pub polygons: Vec<PlacedPolygon>,
+    /// Spheres.
+    pub spheres: Vec<PlacedSphere>,
+    corners: Vec<DVec3>,
+    sources: Vec<Emitter>,
+}
+
+/// A flat convex face.
+#[derive(Clone, Debug)]
+pub struct PlacedPolygon {
+    /// Whose it is.
+    pub emitter: usize,
+    /// Unit, on the side that shines.
+    pub normal: DVec3,
+    /// A point in the middle.
+    pub centre: DVec3,
+    /// How far its corners are from there.
+    pub radius: f64,
+    /// Whether the back shines too.
+    pub two_sided: bool,
+    /// Of the cosine to the normal.
+    pub exponent: u32,
+    /// Index of the sphere it stands in for, which shines instead of it unless something hides it.
+    pub sphere: Option<usize>,
+    pub(super) shine: Shine,
+    corners: Range<usize>,
+}
+
+/// Radiance of a face.
+#[derive(Clone, Debug)]
+pub(super) enum Shine {
+    /// The same all over.
+    Uniform([f32; 3]),
+    /// Of one triangle of the emitter's cells.
+    Cells(Arc<Cells>, usize),
+}
+
+/// A sphere that shines outward.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlacedSphere {
+    /// Whose it is.
+    pub emitter: usize,
+    /// Metres, in the world.
+    pub centre: DVec3,
+    /// Metres.
+    pub radius: f64,
+    /// All over.
+    pub radiance: [f32; 3],
+    /// Whether it shines inward too.
+    pub two_sided: bool,
+}
+
+/// What a ray meets of emitters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EmitterHit {
+    /// Along the ray, in lengths of its direction.
+    pub distance: f64,
+    /// Toward the ray's origin.
+    pub radiance: [f32; 3],
+}
+
+impl Placed {
+    pub(super) fn new(emitters: &Emitters) -> Self {
+        let mut placed = Self {
+            sources: emitters.emitters.clone(),
+            ..Self::default()
+        };
+        for (index, (emitter, cells)) in emitters.emitters.iter().zip(&emitters.cells).enumerate() {
+            match &emitter.shape {
+                Shape::Mesh(mesh) => placed.add_mesh(index, emitter, mesh, cells.as_ref(), None),
+                Shape::Sphere { radius } => {
+                    let pose = emitter.world_from_emitter;
+                    let Pattern::Uniform(radiance) = emitter.pattern else {
+                        unreachable!("checked: spheres shine the same everywhere");
+                    };
+                    let sphere = placed.spheres.len();
+                    placed.spheres.push(PlacedSphere {
+                        emitter: index,
+                        centre: pose.translation,
+                        radius: radius * pose.matrix3.determinant().cbrt(),
+                        radiance,
+                        two_sided: emitter.two_sided,
+                    });
+                    placed.add_mesh(
+                        index,
+                        emitter,
+                        &EmitterMesh::sphere(*radius),
+                        None,
+                        Some(sphere),
+                    );
+                }
+            }
+        }
+        placed
+    }
+
+    fn add_mesh(
+        &mut self,
+        index: usize,
+        emitter: &Emitter,
+        mesh: &EmitterMesh,
+        cells: Option<&Arc<Cells>>,
+        sphere: Option<usize>,
+    ) {
+        let pose = emitter.world_from_emitter;
+        let corners = |face: &[u32]| -> Vec<DVec3> {
+            let at = |&i: &u32| pose.transform_point3(mesh.positions[i as usize]);
+            face.iter().map(at).collect()
+        };
+        match cells {
+            Some(cells) => {
+                for (i, tree) in cells.triangles.iter().enumerate() {
+                    let shine = Shine::Cells(Arc::clone(cells), i);
+                    self.add_polygon(index, emitter, &corners(&tree.corners), shine, sphere);
+                }
+            }
+            None => {
+                for (i, face) in mesh.faces.iter().enumerate() {
+                    let radiance = match &emitter.pattern {
+                        Pattern::Uniform(radiance) => *radiance,
+                        Pattern::PerFace(radiance) => radiance[i],
+                        Pattern::PerVertex(_) | Pattern::Texture { .. } => {
+                            unreachable!("these have cells")
+                        }
+                    };
+                    self.add_polygon(
+                        index,
+                        emitter,
+                        &corners(face),
+                        Shine::Uniform(radiance),
+                        sphere,
+                    );
+                }
+            }
+        }
+    }
+
+    fn add_polygon(
+        &mut self,
+        index: usize,
+        emitter: &Emitter,
+        corners: &[DVec3],
+        shine: Shine,
+        sphere: Option<usize>,
+    ) {
+        let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
+        // A triangle of a fan may have no area, though its face has.
+        let Some(normal) = area_vector(corners).try_normalize() else {
+            return;
+        };
+        let radius = corners.iter().map(|c| c.distance(centre));
+        let first = self.corners.len();
+        self.corners.extend(corners);
+        self.polygons.push(PlacedPolygon {
+            emitter: index,
+            normal,
+            centre,
+            radius: radius.fold(0.0, f64::max),
+            two_sided: emitter.two_sided,
+            exponent: emitter.exponent,
+            sphere,
+            shine,
+            corners: first..self.corners.len(),
+        });
+    }
+
+    /// Corners of a polygon, counter-clockwise seen from the side that shines.
+    pub fn corners(&self, polygon: &PlacedPolygon) -> &[DVec3] {
+        &self.corners[polygon.corners.clone()]
+    }
+
+    /// The nearest emitter on a ray, and its radiance toward the ray's origin: black where it only blocks, or shows its back.
+    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<EmitterHit> {
+        let polygons = self.polygons.iter().filter(|p| p.sphere.is_none());
+        let polygons = polygons.filter_map(|p| self.meet_polygon(p, origin, direction));
+        let spheres = self
+            .spheres
+            .iter()
+            .filter_map(|s| s.meet(origin, direction));
+        polygons
+            .chain(spheres)
+            .min_by(|a, b| a.distance.total_cmp(&b.distance))
+    }
+
+    fn meet_polygon(
+        &self,
+        polygon: &PlacedPolygon,
+        origin: DVec3,
+        direction: DVec3,
+    ) -> Option<EmitterHit> {
+        let cosine = polygon.normal.dot(direction);
+        let distance = polygon.normal.dot(polygon.centre - origin) / cosine;
+        if !(distance > 0.0 && distance.is_finite()) {
+            return None;
+        }
+        let point = origin + direction * distance;
+        if point.distance_squared(polygon.centre) > polygon.radius * polygon.radius * (1.0 + 1e-9) {
+            return None;
+        }
+        let corners = self.corners(polygon);
+        let inside = |i: usize| {
+            let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
+            (b - a).cross(point - a).dot(polygon.normal) >= 0.0
+        };
+        if !(0..corners.len()).all(inside) {
+            return None;
+        }
+        let seen = if cosine < 0.0 || polygon.two_sided {
+            let cosine = (cosine / direction.length()).abs();
+            let falloff = cosine.powi(polygon.exponent as i32) as f32;
+            self.radiance_at(polygon, point).map(|x| x * falloff)
+        } else {
+            [0.0; 3]
+        };
+        Some(EmitterHit {
+            distance,
+            radiance: seen,
+        })
+    }
+
+    /// Radiance of the pattern at a point of a polygon.
+    fn radiance_at(&self, polygon: &PlacedPolygon, point: DVec3) -> [f32; 3] {
+        match &polygon.shine {
+            Shine::Uniform(radiance) => *radiance,
+            Shine::Cells(cells, triangle) => {
+                let corners = self.corners(polygon);
+                let opposite = |i: usize| {
+                    let (b, c) = (corners[(i + 1) % 3], corners[(i + 2) % 3]);
+                    (b - point).cross(c - point).dot(polygon.normal).max(0.0)
+                };
+                let areas = [0, 1, 2].map(opposite);
+                let sum: f64 = areas.iter().sum();
+                let weights = areas.map(|area| (area / sum) as f32);
+                let corners = cells.triangles[*triangle].corners;
+                radiance(&self.sources[polygon.emitter], corners, weights)
+            }
+        }
+    }
+}
+
+impl PlacedSphere {
+    fn meet(&self, origin: DVec3, direction: DVec3) -> Option<EmitterHit> {
+        let length = direction.length();
+        let (toward, along) = (self.centre - origin, direction / length);
+        let middle = toward.dot(along);
+        let square = self.radius * self.radius - (toward - along * middle).length_squared();
+        if square < 0.0 {
+            return None;
+        }
+        let (near, far) = (middle - square.sqrt(), middle + square.sqrt());
+        let outside = near > 0.0;
+        let distance = if outside { near } else { far };
+        (distance > 0.0).then(|| EmitterHit {
+            distance: distance / length,
+            radiance: if outside || self.two_sided {
+                self.radiance
+            } else {
+                [0.0; 3]
+            },
+        })
+    }
+}
