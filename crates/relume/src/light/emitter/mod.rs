@@ -6,12 +6,17 @@
 //!
 //! An emitter has a shape in a space of its own, a pattern of radiance on it, and a pose, which is all that changes as it moves.
 
+mod closed_form;
+mod cube_map;
 mod error;
 mod pattern;
 mod placed;
+mod sample;
 mod shapes;
 #[cfg(test)]
 mod tests;
+mod views;
+mod visible;
 
 use std::sync::Arc;
 
@@ -19,8 +24,11 @@ use glam::{DAffine3, DVec3, Vec2};
 
 use super::HdrImage;
 
+pub use closed_form::ClosedForm;
+pub use cube_map::CubeMap;
 pub use error::EmitterError;
 pub use placed::{EmitterHit, Placed, PlacedPolygon, PlacedSphere};
+pub use sample::{Incident, Sampler};
 
 use pattern::Cells;
 

@@ -12,7 +12,7 @@ use super::{Emitter, EmitterMesh, Emitters, Pattern, Shape};
 /// All faces of all emitters in the world, for a frame.
 #[derive(Clone, Debug, Default)]
 pub struct Placed {
-    /// Faces; those of spheres too, for what spheres hide.
+    /// Faces.
     pub polygons: Vec<PlacedPolygon>,
     /// Spheres.
     pub spheres: Vec<PlacedSphere>,
@@ -35,8 +35,6 @@ pub struct PlacedPolygon {
     pub two_sided: bool,
     /// Of the cosine to the normal.
     pub exponent: u32,
-    /// Index of the sphere it stands in for, which shines instead of it unless something hides it.
-    pub sphere: Option<usize>,
     pub(super) shine: Shine,
     corners: Range<usize>,
 }
@@ -72,6 +70,8 @@ pub struct EmitterHit {
     pub distance: f64,
     /// Toward the ray's origin.
     pub radiance: [f32; 3],
+    /// Whether it is the black back of a face, or the inside of a sphere.
+    pub back: bool,
 }
 
 impl Placed {
@@ -82,13 +82,12 @@ impl Placed {
         };
         for (index, (emitter, cells)) in emitters.emitters.iter().zip(&emitters.cells).enumerate() {
             match &emitter.shape {
-                Shape::Mesh(mesh) => placed.add_mesh(index, emitter, mesh, cells.as_ref(), None),
+                Shape::Mesh(mesh) => placed.add_mesh(index, emitter, mesh, cells.as_ref()),
                 Shape::Sphere { radius } => {
                     let pose = emitter.world_from_emitter;
                     let Pattern::Uniform(radiance) = emitter.pattern else {
                         unreachable!("checked: spheres shine the same everywhere");
                     };
-                    let sphere = placed.spheres.len();
                     placed.spheres.push(PlacedSphere {
                         emitter: index,
                         centre: pose.translation,
@@ -96,13 +95,6 @@ impl Placed {
                         radiance,
                         two_sided: emitter.two_sided,
                     });
-                    placed.add_mesh(
-                        index,
-                        emitter,
-                        &EmitterMesh::sphere(*radius),
-                        None,
-                        Some(sphere),
-                    );
                 }
             }
         }
@@ -115,7 +107,6 @@ impl Placed {
         emitter: &Emitter,
         mesh: &EmitterMesh,
         cells: Option<&Arc<Cells>>,
-        sphere: Option<usize>,
     ) {
         let pose = emitter.world_from_emitter;
         let corners = |face: &[u32]| -> Vec<DVec3> {
@@ -126,7 +117,7 @@ impl Placed {
             Some(cells) => {
                 for (i, tree) in cells.triangles.iter().enumerate() {
                     let shine = Shine::Cells(Arc::clone(cells), i);
-                    self.add_polygon(index, emitter, &corners(&tree.corners), shine, sphere);
+                    self.add_polygon(index, emitter, &corners(&tree.corners), shine);
                 }
             }
             None => {
@@ -138,26 +129,13 @@ impl Placed {
                             unreachable!("these have cells")
                         }
                     };
-                    self.add_polygon(
-                        index,
-                        emitter,
-                        &corners(face),
-                        Shine::Uniform(radiance),
-                        sphere,
-                    );
+                    self.add_polygon(index, emitter, &corners(face), Shine::Uniform(radiance));
                 }
             }
         }
     }
 
-    fn add_polygon(
-        &mut self,
-        index: usize,
-        emitter: &Emitter,
-        corners: &[DVec3],
-        shine: Shine,
-        sphere: Option<usize>,
-    ) {
+    fn add_polygon(&mut self, index: usize, emitter: &Emitter, corners: &[DVec3], shine: Shine) {
         let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
         // A triangle of a fan may have no area, though its face has.
         let Some(normal) = area_vector(corners).try_normalize() else {
@@ -173,7 +151,6 @@ impl Placed {
             radius: radius.fold(0.0, f64::max),
             two_sided: emitter.two_sided,
             exponent: emitter.exponent,
-            sphere,
             shine,
             corners: first..self.corners.len(),
         });
@@ -186,7 +163,7 @@ impl Placed {
 
     /// The nearest emitter on a ray, and its radiance toward the ray's origin: black where it only blocks, or shows its back.
     pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<EmitterHit> {
-        let polygons = self.polygons.iter().filter(|p| p.sphere.is_none());
+        let polygons = self.polygons.iter();
         let polygons = polygons.filter_map(|p| self.meet_polygon(p, origin, direction));
         let spheres = self
             .spheres
@@ -229,6 +206,7 @@ impl Placed {
         };
         Some(EmitterHit {
             distance,
+            back: cosine > 0.0 && !polygon.two_sided,
             radiance: seen,
         })
     }
@@ -267,6 +245,7 @@ impl PlacedSphere {
         let distance = if outside { near } else { far };
         (distance > 0.0).then(|| EmitterHit {
             distance: distance / length,
+            back: !outside && !self.two_sided,
             radiance: if outside || self.two_sided {
                 self.radiance
             } else {

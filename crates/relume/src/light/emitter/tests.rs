@@ -2,7 +2,9 @@
 
 use super::*;
 
-fn of(shape: Shape, pattern: Pattern) -> Emitter {
+mod samplers;
+
+pub fn of(shape: Shape, pattern: Pattern) -> Emitter {
     Emitter {
         name: "lamp".to_owned(),
         shape,

@@ -1,0 +1,306 @@
+//! Incident light in closed form: exact for polygons and spheres of one radiance, whatever stands before them [wang2018].
+
+use std::f64::consts::PI;
+use std::sync::OnceLock;
+
+use glam::DVec3;
+
+use super::pattern::{CellTree, parts};
+use super::placed::Shine;
+use super::sample::{Incident, Sampler};
+use super::views::Views;
+use super::visible::View;
+use super::{MAX_EXPONENT, Placed, PlacedPolygon, PlacedSphere};
+use crate::basis::{Order, PolygonHarmonics, PolygonWork, Product, Zonal};
+
+/// Samples emitters in closed form.
+///
+/// Exact to rounding for flat faces of one radiance, with any exponent (at orders up to 32 less the exponent) and any of them hidden by others, and for
+/// spheres that are seen whole. The outline of a sphere that is partly hidden, or hides something, is a polygon of 64 corners. Radiance that varies
+/// over a face is summed over cells of its mean: a cell is small enough when the spread of radiance within it, as a share of the face's mean radiance and
+/// times the angle in which the cell is seen times the order where that is below 1, is below `tolerance`. Cells are no finer than half a texel, or a 32nd of
+/// an edge where radiance is given at corners.
+///
+/// A point in the plane of a face sees nothing of it; one inside a one-sided sphere sees it black, and nothing beyond.
+#[derive(Debug)]
+pub struct ClosedForm {
+    order: Order,
+    tolerance: f64,
+    /// By exponent.
+    lobes: [OnceLock<Lobe>; MAX_EXPONENT as usize + 1],
+}
+
+/// What one exponent takes.
+#[derive(Debug)]
+struct Lobe {
+    harmonics: PolygonHarmonics,
+    /// Each multiplies by a linear function and takes one degree off; the last leaves the order asked for.
+    products: Vec<Product>,
+}
+
+impl ClosedForm {
+    /// Coefficients of `order`; a tolerance of 1/256.
+    pub fn new(order: Order) -> Self {
+        Self::with_tolerance(order, 1.0 / 256.0)
+    }
+
+    /// As the type's text says of `tolerance`.
+    pub fn with_tolerance(order: Order, tolerance: f64) -> Self {
+        Self {
+            order,
+            tolerance,
+            lobes: Default::default(),
+        }
+    }
+
+    fn lobe(&self, exponent: u32) -> &Lobe {
+        self.lobes[exponent as usize].get_or_init(|| {
+            let of = |n: usize| Order::new(n.min(Order::MAX)).expect("1…32");
+            // Degree 1 is wanted for distances, whatever the order.
+            let least = self.order.get().max(2);
+            let highest = (least + exponent as usize).min(Order::MAX);
+            Lobe {
+                harmonics: PolygonHarmonics::new(of(highest)),
+                products: (0..exponent as usize)
+                    .map(|k| {
+                        let before = highest - k;
+                        Product::new(of(before), of(2), of((before - 1).max(least)))
+                    })
+                    .collect(),
+            }
+        })
+    }
+}
+
+impl Sampler for ClosedForm {
+    fn order(&self) -> Order {
+        self.order
+    }
+
+    fn sample(&self, placed: &Placed, at: DVec3) -> Incident {
+        let around = placed
+            .spheres
+            .iter()
+            .find(|s| s.centre.distance(at) <= s.radius);
+        let views = Views::new(placed, at, around);
+        let mut sum = Sum {
+            form: self,
+            views: &views,
+            incident: Incident::dark(self.order),
+        };
+        for (sphere, view) in placed.spheres.iter().zip(&views.spheres) {
+            if let Some(view) = view {
+                sum.add_sphere(sphere, view, at);
+            }
+        }
+        for (polygon, view) in placed.polygons.iter().zip(&views.polygons) {
+            if let Some(view) = view {
+                sum.add_polygon(placed, polygon, view, at);
+            }
+        }
+        if let Some(sphere) = around {
+            sum.incident.add_inside(sphere, at);
+        }
+        sum.incident
+    }
+}
+
+/// Light of one point, as far as it is added up.
+struct Sum<'a> {
+    form: &'a ClosedForm,
+    views: &'a Views,
+    incident: Incident,
+}
+
+/// Room for one lobe.
+struct Room<'a> {
+    lobe: &'a Lobe,
+    work: PolygonWork,
+    integrals: Vec<f64>,
+}
+
+impl Sum<'_> {
+    fn room<'b>(&self, exponent: u32) -> Room<'b>
+    where
+        Self: 'b,
+    {
+        let lobe = self.form.lobe(exponent);
+        Room {
+            lobe,
+            work: lobe.harmonics.work(),
+            integrals: vec![0.0; lobe.harmonics.order().count()],
+        }
+    }
+
+    fn add_polygon(&mut self, placed: &Placed, polygon: &PlacedPolygon, view: &View, at: DVec3) {
+        let front = polygon.normal.dot(view.normal) > 0.0;
+        if !front && !polygon.two_sided {
+            return;
+        }
+        let before = self.views.before(view);
+        let mut room = self.room(polygon.exponent);
+        match &polygon.shine {
+            Shine::Uniform(rgb) => self.add_part(view, &before, *rgb, &mut room),
+            Shine::Cells(cells, triangle) => {
+                let tree = &cells.triangles[*triangle];
+                let corners = placed.corners(polygon);
+                let corners = [corners[0], corners[1], corners[2]].map(|c| c - at);
+                let descent = Descent {
+                    tree,
+                    view,
+                    before: &before,
+                    front,
+                };
+                self.add_cell(&descent, 0, corners, &mut room);
+            }
+        }
+    }
+
+    fn add_cell(&mut self, descent: &Descent, cell: usize, corners: [DVec3; 3], room: &mut Room) {
+        let Descent { tree, view, .. } = *descent;
+        let mut turned = corners;
+        if !descent.front {
+            turned.reverse();
+        }
+        let part = view.part(turned.to_vec());
+        let is_leaf = 4 * cell + 1 >= tree.cells.len();
+        if is_leaf || descent.is_even(cell, part.angle(), self.form) {
+            self.add_part(&part, descent.before, tree.cells[cell].mean, room);
+            return;
+        }
+        let middle = |a: DVec3, b: DVec3| 0.5 * (a + b);
+        for (i, part) in parts(corners, middle).into_iter().enumerate() {
+            self.add_cell(descent, 4 * cell + 1 + i, part, room);
+        }
+    }
+
+    /// Adds what is seen of a part of a face, of one radiance.
+    fn add_part(&mut self, part: &View, before: &[Vec<DVec3>], rgb: [f32; 3], room: &mut Room) {
+        room.integrals.fill(0.0);
+        let harmonics = &room.lobe.harmonics;
+        let mut solid_angle = 0.0;
+        if before.is_empty() {
+            solid_angle += harmonics.add(&part.corners, &mut room.work, &mut room.integrals);
+        } else {
+            for piece in part.pieces(before) {
+                solid_angle += harmonics.add(&piece, &mut room.work, &mut room.integrals);
+            }
+        }
+        self.incident.solid_angle += solid_angle;
+        // 1/d = cosine / height, and degree 1 holds ∫ ω dω.
+        let along = part.normal.dot(first_moment(&room.integrals));
+        self.incident.inverse_distance += -along / part.height;
+        if rgb == [0.0; 3] {
+            return;
+        }
+        let mut integrals = std::mem::take(&mut room.integrals);
+        for product in &room.lobe.products {
+            let mut lower = vec![0.0; product.orders()[2].count()];
+            product.multiply(&integrals, &linear(-part.normal), &mut lower);
+            integrals = lower;
+        }
+        self.incident.add(&integrals, rgb);
+        room.integrals = integrals;
+        room.integrals.resize(harmonics.order().count(), 0.0);
+    }
+
+    fn add_sphere(&mut self, sphere: &PlacedSphere, view: &View, at: DVec3) {
+        let toward = sphere.centre - at;
+        let whole = Cap::new(sphere.radius, toward.length());
+        let before = self.views.before(view);
+        if before.is_empty() {
+            let lobe = Zonal::disc(self.form.order, whole.half_angle).toward(toward.normalize());
+            self.incident.add(&lobe, sphere.radiance);
+            self.incident.solid_angle += whole.solid_angle();
+            self.incident.inverse_distance += whole.inverse_distance();
+            return;
+        }
+        let mut room = self.room(0);
+        let so_far = (self.incident.solid_angle, self.incident.inverse_distance);
+        self.add_part(view, &before, sphere.radiance, &mut room);
+        let share = (self.incident.solid_angle - so_far.0) / whole.solid_angle();
+        self.incident.inverse_distance = so_far.1 + share * whole.inverse_distance();
+    }
+}
+
+/// A walk down the cells of a triangle.
+#[derive(Clone, Copy)]
+struct Descent<'a> {
+    tree: &'a CellTree,
+    view: &'a View,
+    before: &'a [Vec<DVec3>],
+    front: bool,
+}
+
+impl Descent<'_> {
+    /// Whether a cell seen under `angle` may stand for its parts.
+    fn is_even(&self, cell: usize, angle: f64, form: &ClosedForm) -> bool {
+        let largest = |rgb: [f32; 3]| f64::from(rgb[0].max(rgb[1]).max(rgb[2]));
+        let turn = (angle * form.order.get() as f64).min(1.0);
+        let spread = f64::from(self.tree.cells[cell].spread);
+        spread * turn <= form.tolerance * largest(self.tree.cells[0].mean)
+    }
+}
+
+/// A sphere from outside.
+struct Cap {
+    radius: f64,
+    distance: f64,
+    half_angle: f64,
+}
+
+impl Cap {
+    fn new(radius: f64, distance: f64) -> Self {
+        Self {
+            radius,
+            distance,
+            half_angle: libm::asin(radius / distance),
+        }
+    }
+
+    fn solid_angle(&self) -> f64 {
+        let half = libm::sin(0.5 * self.half_angle);
+        4.0 * PI * half * half
+    }
+
+    /// `∫ 1/d dω` over the cap: d(μ) = aμ − √(a²μ² − c²) toward the near side, μ the cosine to the middle, c² = a² − R²; 1/d = (aμ + √(…)) / c².
+    fn inverse_distance(&self) -> f64 {
+        let (a, r) = (self.distance, self.radius);
+        let square = (a - r) * (a + r);
+        let logarithm = libm::log((a + r) / square.sqrt());
+        PI / square * (r * r / a + r - square / a * logarithm)
+    }
+}
+
+impl Incident {
+    /// Adds a sphere that the point is in.
+    fn add_inside(&mut self, sphere: &PlacedSphere, at: DVec3) {
+        if !sphere.two_sided {
+            return;
+        }
+        for (place, radiance) in self.coefficients[0].iter_mut().zip(sphere.radiance) {
+            *place += (4.0 * PI).sqrt() * f64::from(radiance);
+        }
+        self.solid_angle += 4.0 * PI;
+        // Opposite distances: product R² − a², sum 2√(R² − a² + a²μ²).
+        let (a, r) = (sphere.centre.distance(at), sphere.radius);
+        let square = ((r - a) * (r + a)).max(f64::MIN_POSITIVE);
+        let mean = if a < 1e-6 * r {
+            r
+        } else {
+            0.5 * (r + square / a * libm::asinh(a / square.sqrt()))
+        };
+        self.inverse_distance += 4.0 * PI * mean / square;
+    }
+}
+
+/// `∫ ω dω` from the integrals of degree 1.
+fn first_moment(integrals: &[f64]) -> DVec3 {
+    DVec3::new(integrals[3], integrals[1], integrals[2]) * (4.0 * PI / 3.0).sqrt()
+}
+
+/// Coefficients of d·ω.
+fn linear(d: DVec3) -> [f64; 4] {
+    let scale = (4.0 * PI / 3.0).sqrt();
+    [0.0, scale * d.y, scale * d.z, scale * d.x]
+}
