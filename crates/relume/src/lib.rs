@@ -27,6 +27,7 @@ pub mod brdf;
 pub mod display;
 pub mod files;
 pub mod light;
+mod parallel;
 #[cfg(feature = "bake")]
 pub mod reference;
 pub mod scene;

@@ -7,6 +7,7 @@
 //!
 //! All of it is radiance, linear Rec. 709, scene-referred, from directions that point away from the scene (right-handed, +Y up).
 
+pub mod adaptive;
 #[cfg(feature = "images")]
 mod codecs;
 mod cross;

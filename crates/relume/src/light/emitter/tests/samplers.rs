@@ -91,7 +91,10 @@ fn closed_form_and_cube_map_agree_to_the_maps_resolution_whatever_hides_what() {
         let exact = ClosedForm::new(order(5)).sample(&crowd, point);
         let error = |size| apart(&CubeMap::new(order(5), size).sample(&crowd, point), &exact);
         let (coarse, fine) = (error(32), error(256));
-        assert!(coarse < 0.05 && fine < 0.005 && fine < 0.2 * coarse, "{coarse} {fine}");
+        assert!(
+            coarse < 0.05 && fine < 0.005 && fine < 0.2 * coarse,
+            "{coarse} {fine}"
+        );
         let cube = CubeMap::new(order(5), 256).sample(&crowd, point);
         let ratio = cube.harmonic_mean_distance() / exact.harmonic_mean_distance();
         assert!((ratio - 1.0).abs() < 3e-3, "{ratio}");
