@@ -53,6 +53,7 @@ pub use euler::{Angle, Euler, EulerRotation};
 pub use hemisphere::Hemisphere;
 pub(crate) use hemisphere::inverse;
 pub use order::{Order, OrderError, index};
+pub(crate) use polygon::line_of;
 pub use polygon::{PolygonHarmonics, PolygonWork};
 pub use product::{Entry, Product};
 pub use project::{evaluate, evaluate_rgb, project, project_samples};

@@ -19,6 +19,10 @@ use glam::DVec3;
 
 use super::{Order, gauss_legendre, index, sh};
 
+mod gradient;
+
+pub use gradient::line_of;
+
 /// Below this angle (radians, from the middle to the farthest corner) edges nearly cancel, and Gauss points on the area are more precise.
 const SMALL: f64 = 0.04;
 /// Gauss points in each direction over a small triangle: at order 32 and [`SMALL`] they leave 1e-13.
@@ -33,6 +37,8 @@ pub struct PolygonHarmonics {
     evaluator: sh::Evaluator,
     /// Nodes and weights on 0…1.
     gauss: Vec<(f64, f64)>,
+    /// The same with 8, 9, … points, as many as an arc of half a turn takes.
+    arcs: Vec<Vec<(f64, f64)>>,
 }
 
 /// Room to work in, made once.
@@ -71,14 +77,20 @@ impl PolygonHarmonics {
                 scales[triangular(l, m)] = (both * square * product).sqrt();
             }
         }
-        let gauss = gauss_legendre(POINTS);
+        let on_unit = |points: usize| -> Vec<(f64, f64)> {
+            let nodes = gauss_legendre(points);
+            nodes
+                .iter()
+                .map(|&(x, w)| (0.5 + 0.5 * x, 0.5 * w))
+                .collect()
+        };
         Self {
             order,
             scales,
             evaluator: sh::Evaluator::new(order),
-            gauss: gauss
-                .iter()
-                .map(|&(x, w)| (0.5 + 0.5 * x, 0.5 * w))
+            gauss: on_unit(POINTS),
+            arcs: (0..=gradient::extra_points(n, PI))
+                .map(|extra| on_unit(gradient::LEAST_POINTS + extra))
                 .collect(),
         }
     }

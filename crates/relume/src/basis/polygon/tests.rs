@@ -162,3 +162,29 @@ fn edges_that_pass_through_the_origin_or_have_no_length_are_no_edges() {
     let flat = [DVec3::X, DVec3::NEG_X, DVec3::NEG_Z];
     assert!(closed_form(order, &flat).0.iter().all(|x| x.is_finite()));
 }
+
+#[test]
+fn gradients_are_the_differences_of_integrals() {
+    for (n, half) in [(1, 0.5), (4, 0.9), (10, 0.4), (6, 0.01), (20, 1.5)] {
+        let order = Order::new(n).unwrap();
+        let harmonics = PolygonHarmonics::new(order);
+        let tilt = DMat3::from_rotation_y(0.8) * DMat3::from_rotation_x(0.3);
+        let corners = quad(DVec3::new(0.2, 0.1, -0.7), half, tilt);
+        let lines: Vec<DVec3> = (0..4)
+            .map(|i| line_of(corners[i], corners[(i + 1) % 4]))
+            .collect();
+        let mut gradient = vec![0.0; 3 * order.count()];
+        harmonics.add_gradient(&corners, &lines, &mut harmonics.work(), &mut gradient);
+        let step = 1e-4;
+        let mut expected = Vec::new();
+        for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+            let at = |h: f64| closed_form(order, &corners.map(|c| c - axis * h)).0;
+            let [far, near, back, behind] = [2.0 * step, step, -step, -2.0 * step].map(at);
+            let differences = (0..order.count())
+                .map(|i| (8.0 * (near[i] - back[i]) - (far[i] - behind[i])) / (12.0 * step));
+            expected.extend(differences);
+        }
+        let error = apart(&gradient, &expected);
+        assert!(error < 1e-7, "order {n}: {error:e}");
+    }
+}

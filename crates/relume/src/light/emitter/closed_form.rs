@@ -1,5 +1,6 @@
 //! Incident light in closed form: exact for polygons and spheres of one radiance, whatever stands before them [wang2018].
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
@@ -7,9 +8,9 @@ use glam::DVec3;
 
 use super::pattern::{CellTree, parts};
 use super::placed::Shine;
-use super::sample::{Incident, Sampler};
+use super::sample::{Incident, LightGradient, Sampler};
 use super::views::Views;
-use super::visible::View;
+use super::visible::{Corner, View};
 use super::{MAX_EXPONENT, Placed, PlacedPolygon, PlacedSphere};
 use crate::basis::{Order, PolygonHarmonics, PolygonWork, Product, Zonal};
 
@@ -78,15 +79,32 @@ impl Sampler for ClosedForm {
     }
 
     fn sample(&self, placed: &Placed, at: DVec3) -> Incident {
-        let around = placed
-            .spheres
-            .iter()
-            .find(|s| s.centre.distance(at) <= s.radius);
+        self.sum(placed, at, None).0
+    }
+}
+
+impl ClosedForm {
+    /// Incident light and its gradient by the place of the point [annen2004]; of spheres that something hides, as if nothing did.
+    pub fn sample_with_gradient(&self, placed: &Placed, at: DVec3) -> (Incident, LightGradient) {
+        let none = LightGradient::none(self.order);
+        let (incident, gradient) = self.sum(placed, at, Some(none));
+        (incident, gradient.expect("as given"))
+    }
+
+    fn sum(
+        &self,
+        placed: &Placed,
+        at: DVec3,
+        gradient: Option<LightGradient>,
+    ) -> (Incident, Option<LightGradient>) {
+        let holds = |s: &&PlacedSphere| s.centre.distance(at) <= s.radius;
+        let around = placed.spheres.iter().find(holds);
         let views = Views::new(placed, at, around);
         let mut sum = Sum {
             form: self,
             views: &views,
             incident: Incident::dark(self.order),
+            gradient,
         };
         for (sphere, view) in placed.spheres.iter().zip(&views.spheres) {
             if let Some(view) = view {
@@ -101,7 +119,7 @@ impl Sampler for ClosedForm {
         if let Some(sphere) = around {
             sum.incident.add_inside(sphere, at);
         }
-        sum.incident
+        (sum.incident, sum.gradient)
     }
 }
 
@@ -110,6 +128,7 @@ struct Sum<'a> {
     form: &'a ClosedForm,
     views: &'a Views,
     incident: Incident,
+    gradient: Option<LightGradient>,
 }
 
 /// Room for one lobe.
@@ -117,6 +136,10 @@ struct Room<'a> {
     lobe: &'a Lobe,
     work: PolygonWork,
     integrals: Vec<f64>,
+    /// `[3][count]`.
+    gradient: Vec<f64>,
+    corners: Vec<DVec3>,
+    lines: Vec<DVec3>,
 }
 
 impl Sum<'_> {
@@ -129,6 +152,9 @@ impl Sum<'_> {
             lobe,
             work: lobe.harmonics.work(),
             integrals: vec![0.0; lobe.harmonics.order().count()],
+            gradient: vec![0.0; 3 * lobe.harmonics.order().count()],
+            corners: Vec::new(),
+            lines: Vec::new(),
         }
     }
 
@@ -175,33 +201,33 @@ impl Sum<'_> {
     }
 
     /// Adds what is seen of a part of a face, of one radiance.
-    fn add_part(&mut self, part: &View, before: &[Vec<DVec3>], rgb: [f32; 3], room: &mut Room) {
-        room.integrals.fill(0.0);
-        let harmonics = &room.lobe.harmonics;
+    fn add_part(&mut self, part: &View, before: &[Vec<Corner>], rgb: [f32; 3], room: &mut Room) {
+        let shines = rgb != [0.0; 3];
+        let wants_gradient = shines && self.gradient.is_some();
+        room.clear();
         let mut solid_angle = 0.0;
         if before.is_empty() {
-            solid_angle += harmonics.add(&part.corners, &mut room.work, &mut room.integrals);
+            solid_angle += room.add(&part.corners, wants_gradient);
         } else {
             for piece in part.pieces(before) {
-                solid_angle += harmonics.add(&piece, &mut room.work, &mut room.integrals);
+                solid_angle += room.add(&piece, wants_gradient);
             }
         }
         self.incident.solid_angle += solid_angle;
         // 1/d = cosine / height, and degree 1 holds ∫ ω dω.
         let along = part.normal.dot(first_moment(&room.integrals));
         self.incident.inverse_distance += -along / part.height;
-        if rgb == [0.0; 3] {
-            return;
+        if shines {
+            let (lobe, d) = (room.lobe, -part.normal);
+            self.incident.add(&lobe.falloff(&room.integrals, d), rgb);
+            if let Some(gradient) = &mut self.gradient {
+                let axes = room.gradient.chunks_exact(room.integrals.len());
+                let axes: Vec<f64> = axes
+                    .flat_map(|axis| lobe.falloff(axis, d).into_owned())
+                    .collect();
+                gradient.add(&axes, rgb);
+            }
         }
-        let mut integrals = std::mem::take(&mut room.integrals);
-        for product in &room.lobe.products {
-            let mut lower = vec![0.0; product.orders()[2].count()];
-            product.multiply(&integrals, &linear(-part.normal), &mut lower);
-            integrals = lower;
-        }
-        self.incident.add(&integrals, rgb);
-        room.integrals = integrals;
-        room.integrals.resize(harmonics.order().count(), 0.0);
     }
 
     fn add_sphere(&mut self, sphere: &PlacedSphere, view: &View, at: DVec3) {
@@ -213,6 +239,7 @@ impl Sum<'_> {
             self.incident.add(&lobe, sphere.radiance);
             self.incident.solid_angle += whole.solid_angle();
             self.incident.inverse_distance += whole.inverse_distance();
+            self.add_sphere_gradient(sphere, toward);
             return;
         }
         let mut room = self.room(0);
@@ -223,12 +250,72 @@ impl Sum<'_> {
     }
 }
 
+impl Sum<'_> {
+    /// By central differences of what is known in closed form.
+    fn add_sphere_gradient(&mut self, sphere: &PlacedSphere, toward: DVec3) {
+        let Some(gradient) = &mut self.gradient else {
+            return;
+        };
+        let step = 1e-5 * (toward.length() - sphere.radius);
+        let order = self.form.order;
+        let lobe = |toward: DVec3| {
+            let cap = Cap::new(sphere.radius, toward.length());
+            Zonal::disc(order, cap.half_angle).toward(toward.normalize())
+        };
+        let difference = |axis: DVec3| -> Vec<f64> {
+            let (after, before) = (lobe(toward - axis * step), lobe(toward + axis * step));
+            let pairs = after.iter().zip(&before);
+            pairs.map(|(a, b)| (a - b) / (2.0 * step)).collect()
+        };
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(difference).concat();
+        gradient.add(&axes, sphere.radiance);
+    }
+}
+
+impl Room<'_> {
+    fn clear(&mut self) {
+        self.integrals.fill(0.0);
+        self.gradient.fill(0.0);
+    }
+
+    /// Adds a convex piece, and gives its solid angle.
+    fn add(&mut self, piece: &[Corner], wants_gradient: bool) -> f64 {
+        let harmonics = &self.lobe.harmonics;
+        self.corners.clear();
+        self.corners.extend(piece.iter().map(|c| c.at));
+        if wants_gradient {
+            self.lines.clear();
+            self.lines.extend(piece.iter().map(|c| c.line));
+            harmonics.add_gradient(
+                &self.corners,
+                &self.lines,
+                &mut self.work,
+                &mut self.gradient,
+            );
+        }
+        harmonics.add(&self.corners, &mut self.work, &mut self.integrals)
+    }
+}
+
+impl Lobe {
+    /// Coefficients times the exponent's power of the cosine d·ω.
+    fn falloff<'a>(&self, values: &'a [f64], d: DVec3) -> Cow<'a, [f64]> {
+        let mut values = Cow::Borrowed(values);
+        for product in &self.products {
+            let mut lower = vec![0.0; product.orders()[2].count()];
+            product.multiply(&values, &linear(d), &mut lower);
+            values = Cow::Owned(lower);
+        }
+        values
+    }
+}
+
 /// A walk down the cells of a triangle.
 #[derive(Clone, Copy)]
 struct Descent<'a> {
     tree: &'a CellTree,
     view: &'a View,
-    before: &'a [Vec<DVec3>],
+    before: &'a [Vec<Corner>],
     front: bool,
 }
 

@@ -28,7 +28,7 @@ pub use closed_form::ClosedForm;
 pub use cube_map::CubeMap;
 pub use error::EmitterError;
 pub use placed::{EmitterHit, Placed, PlacedPolygon, PlacedSphere};
-pub use sample::{Incident, Sampler};
+pub use sample::{Incident, LightGradient, Sampler};
 
 use pattern::Cells;
 

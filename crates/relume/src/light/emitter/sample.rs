@@ -16,6 +16,13 @@ pub struct Incident {
     pub inverse_distance: f64,
 }
 
+/// How incident light changes with the point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightGradient {
+    /// Derivatives of the coefficients along x, y and z, `[3][order²]`, per metre.
+    pub axes: [Vec<[f64; 3]>; 3],
+}
+
 impl Incident {
     /// Nothing, as `order²` coefficients.
     pub fn dark(order: Order) -> Self {
@@ -43,11 +50,7 @@ impl Incident {
 
     /// Adds radiance `rgb` where the integrals of the basis are `integrals`.
     pub(super) fn add(&mut self, integrals: &[f64], rgb: [f32; 3]) {
-        for (place, y) in self.coefficients.iter_mut().zip(integrals) {
-            for (place, value) in place.iter_mut().zip(rgb) {
-                *place += y * f64::from(value);
-            }
-        }
+        add(&mut self.coefficients, integrals, rgb);
     }
 }
 
@@ -57,4 +60,29 @@ pub trait Sampler: Sync {
     fn order(&self) -> Order;
     /// Incident light at `at`, in the world.
     fn sample(&self, placed: &Placed, at: DVec3) -> Incident;
+}
+
+impl LightGradient {
+    /// None.
+    pub fn none(order: Order) -> Self {
+        Self {
+            axes: std::array::from_fn(|_| vec![[0.0; 3]; order.count()]),
+        }
+    }
+
+    /// Adds that of radiance `rgb` where that of the integrals of the basis is `gradient`, `[3][order² or more]`.
+    pub(super) fn add(&mut self, gradient: &[f64], rgb: [f32; 3]) {
+        let stride = gradient.len() / 3;
+        for (axis, gradient) in self.axes.iter_mut().zip(gradient.chunks_exact(stride)) {
+            add(axis, gradient, rgb);
+        }
+    }
+}
+
+fn add(coefficients: &mut [[f64; 3]], integrals: &[f64], rgb: [f32; 3]) {
+    for (place, y) in coefficients.iter_mut().zip(integrals) {
+        for (place, value) in place.iter_mut().zip(rgb) {
+            *place += y * f64::from(value);
+        }
+    }
 }

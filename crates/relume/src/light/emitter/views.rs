@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::visible::View;
+use super::visible::{Corner, View};
 use super::{Placed, PlacedSphere};
 
 /// Corners of the cone through which a sphere is seen.
@@ -36,7 +36,7 @@ impl Views {
     }
 
     /// What stands before `view`, one of these: convex polygons, counter-clockwise as the point sees them.
-    pub fn before(&self, view: &View) -> Vec<Vec<DVec3>> {
+    pub fn before(&self, view: &View) -> Vec<Vec<Corner>> {
         let all = self.polygons.iter().chain(&self.spheres).flatten();
         all.filter(|other| !std::ptr::eq(*other, view))
             .filter_map(|other| view.hidden_by(other))

@@ -4,14 +4,25 @@
 
 use glam::DVec3;
 
+use crate::basis::line_of;
+
 /// As a share of a polygon's distance: what lies that close to a plane lies in it.
 const ON_PLANE: f64 = 1e-9;
+
+/// A corner of a convex polygon and the edge from there to the next.
+#[derive(Clone, Copy, Debug)]
+pub struct Corner {
+    /// Relative to the point.
+    pub at: DVec3,
+    /// [`line_of`] what bounds the polygon there: its own edge, or that of what stands before it.
+    pub line: DVec3,
+}
 
 /// A convex polygon as a point sees it.
 #[derive(Clone, Debug)]
 pub struct View {
     /// Counter-clockwise as the point sees them.
-    pub corners: Vec<DVec3>,
+    pub corners: Vec<Corner>,
     /// Unit normal, toward the point.
     pub normal: DVec3,
     /// Distance of the point from its plane, above 0.
@@ -35,7 +46,7 @@ impl View {
             corners.reverse();
         }
         Some(Self {
-            corners,
+            corners: outline(&corners),
             normal: normal * side.signum(),
             height: side.abs(),
             direction,
@@ -47,7 +58,7 @@ impl View {
     pub fn part(&self, corners: Vec<DVec3>) -> Self {
         let (direction, angle) = cone(&corners);
         Self {
-            corners,
+            corners: outline(&corners),
             direction,
             angle,
             normal: self.normal,
@@ -66,22 +77,22 @@ impl View {
     }
 
     /// The part of `other` before this one's plane, if it may hide some of this.
-    pub fn hidden_by(&self, other: &Self) -> Option<Vec<DVec3>> {
+    pub fn hidden_by(&self, other: &Self) -> Option<Vec<Corner>> {
         if !self.may_overlap(other) {
             return None;
         }
         // Corners on the point's side of the plane normal · p = −height.
-        let tolerance = ON_PLANE * (self.height + self.corners[0].length());
-        let above = |p: &DVec3| self.normal.dot(*p) + self.height;
-        if other.corners.iter().all(|p| above(p) <= tolerance) {
+        let tolerance = ON_PLANE * (self.height + self.corners[0].at.length());
+        let above = |p: DVec3| self.normal.dot(p) + self.height;
+        if other.corners.iter().all(|c| above(c.at) <= tolerance) {
             return None;
         }
-        let before = clip(&other.corners, above).0;
+        let before = clip(&other.corners, above, None).0;
         (before.len() >= 3).then_some(before)
     }
 
     /// What the point sees of this behind the convex polygons `before`, counter-clockwise as the point sees them.
-    pub fn pieces(&self, before: &[Vec<DVec3>]) -> Vec<Vec<DVec3>> {
+    pub fn pieces(&self, before: &[Vec<Corner>]) -> Vec<Vec<Corner>> {
         let mut pieces = vec![self.corners.clone()];
         for occluder in before {
             pieces = pieces
@@ -94,16 +105,18 @@ impl View {
 }
 
 /// What of a piece lies outside the cone from the origin through an occluder, as convex pieces.
-fn outside(piece: &[DVec3], occluder: &[DVec3]) -> Vec<Vec<DVec3>> {
+fn outside(piece: &[Corner], occluder: &[Corner]) -> Vec<Vec<Corner>> {
     let mut found = Vec::new();
     let mut rest = piece.to_vec();
     for i in 0..occluder.len() {
         let (a, b) = (occluder[i], occluder[(i + 1) % occluder.len()]);
-        let Some(inward) = b.cross(a).try_normalize() else {
+        let Some(inward) = b.at.cross(a.at).try_normalize() else {
             continue;
         };
-        let (inside, beyond) = clip(&rest, |p| inward.dot(*p));
-        found.extend(solid(beyond));
+        let (inside, beyond) = clip(&rest, |p| inward.dot(p), Some(a.line));
+        if beyond.len() >= 3 {
+            found.push(beyond);
+        }
         rest = inside;
         if rest.len() < 3 {
             break;
@@ -112,37 +125,60 @@ fn outside(piece: &[DVec3], occluder: &[DVec3]) -> Vec<Vec<DVec3>> {
     found
 }
 
-/// A polygon, unless a cut left next to nothing of it.
-fn solid(corners: Vec<DVec3>) -> Option<Vec<DVec3>> {
-    (corners.len() >= 3).then_some(corners)
-}
-
-/// A convex polygon where `side` is positive, and where it is negative.
-fn clip(corners: &[DVec3], side: impl Fn(&DVec3) -> f64) -> (Vec<DVec3>, Vec<DVec3>) {
-    let sides: Vec<f64> = corners.iter().map(side).collect();
+/// A convex polygon where `side` is positive, and where it is negative. The edges of the cut are bounded by `line`, or by themselves.
+fn clip(
+    corners: &[Corner],
+    side: impl Fn(DVec3) -> f64,
+    line: Option<DVec3>,
+) -> (Vec<Corner>, Vec<Corner>) {
+    let sides: Vec<f64> = corners.iter().map(|c| side(c.at)).collect();
     if sides.iter().all(|&s| s >= 0.0) {
         return (corners.to_vec(), Vec::new());
     }
     if sides.iter().all(|&s| s <= 0.0) {
         return (Vec::new(), corners.to_vec());
     }
-    let (mut positive, mut negative) = (Vec::new(), Vec::new());
-    for i in 0..corners.len() {
+    (
+        half(corners, &sides, 1.0, line),
+        half(corners, &sides, -1.0, line),
+    )
+}
+
+/// Where `sides` × `sign` is not negative.
+fn half(corners: &[Corner], sides: &[f64], sign: f64, line: Option<DVec3>) -> Vec<Corner> {
+    let mut kept = Vec::with_capacity(corners.len() + 1);
+    // The corner after which the cut is the edge.
+    let mut last = None;
+    for (i, corner) in corners.iter().enumerate() {
         let j = (i + 1) % corners.len();
-        let (a, b, s, t) = (corners[i], corners[j], sides[i], sides[j]);
+        let (s, t) = (sign * sides[i], sign * sides[j]);
         if s >= 0.0 {
-            positive.push(a);
-        }
-        if s <= 0.0 {
-            negative.push(a);
+            kept.push(*corner);
         }
         if s * t < 0.0 {
-            let cut = a + (b - a) * (s / (s - t));
-            positive.push(cut);
-            negative.push(cut);
+            kept.push(Corner {
+                at: corner.at + (corners[j].at - corner.at) * (s / (s - t)),
+                line: corner.line,
+            });
+        }
+        if s >= 0.0 && t < 0.0 {
+            last = Some(kept.len() - 1);
         }
     }
-    (positive, negative)
+    if let Some(last) = last {
+        let next = kept[(last + 1) % kept.len()].at;
+        kept[last].line = line.unwrap_or_else(|| line_of(kept[last].at, next));
+    }
+    kept
+}
+
+/// Corners with the edges between them.
+fn outline(corners: &[DVec3]) -> Vec<Corner> {
+    let edge = |i: usize| Corner {
+        at: corners[i],
+        line: line_of(corners[i], corners[(i + 1) % corners.len()]),
+    };
+    (0..corners.len()).map(edge).collect()
 }
 
 /// The direction of a polygon's middle, and no less than the angle from there to any corner.

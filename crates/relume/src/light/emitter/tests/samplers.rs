@@ -310,3 +310,56 @@ fn points_in_strange_places_see_what_is_said() {
     assert!((inside.coefficients[0][0] - 2.0 * (4.0 * PI).sqrt()).abs() < 1e-12);
     assert!(inside.coefficients[1..].iter().flatten().all(|x| *x == 0.0));
 }
+
+#[test]
+fn gradients_are_differences_even_where_lights_are_partly_hidden() {
+    let form = ClosedForm::with_tolerance(order(4), 0.0);
+    let mut panel = uniform(EmitterMesh::quad(2.0, 1.5), [4.0, 1.0, 0.0]);
+    panel.exponent = 2;
+    let pattern = Pattern::PerVertex(vec![[0.0; 3], [1.0; 3], [2.0; 3], [1.0; 3]]);
+    let crowd = all(vec![
+        at(panel, [0.2, 0.1, -3.0], DQuat::IDENTITY),
+        at(
+            uniform(EmitterMesh::cuboid(DVec3::splat(0.6)), [0.0, 3.0, 1.0]),
+            [0.6, 0.5, -2.0],
+            DQuat::from_rotation_x(0.5),
+        ),
+        at(
+            of(Shape::Mesh(EmitterMesh::quad(0.5, 0.5)), pattern),
+            [-0.7, -0.2, -1.5],
+            DQuat::from_rotation_y(0.3),
+        ),
+        at(
+            uniform(EmitterMesh::quad(0.2, 3.0), [0.0; 3]),
+            [-0.2, 0.0, -1.2],
+            DQuat::from_rotation_z(0.4),
+        ),
+        at(
+            of(
+                Shape::Sphere { radius: 0.5 },
+                Pattern::Uniform([1.0, 1.0, 5.0]),
+            ),
+            [0.0, 0.0, 2.0],
+            DQuat::IDENTITY,
+        ),
+    ]);
+    let point = DVec3::new(0.05, 0.02, -0.03);
+    let (incident, gradient) = form.sample_with_gradient(&crowd, point);
+    assert_eq!(incident, form.sample(&crowd, point));
+    let largest = incident.norm();
+    for (axis, d) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().enumerate() {
+        let step = 1e-5;
+        let [after, before] = [step, -step].map(|h| form.sample(&crowd, point + d * h));
+        for i in 0..16 {
+            for c in 0..3 {
+                let expected =
+                    (after.coefficients[i][c] - before.coefficients[i][c]) / (2.0 * step);
+                let found = gradient.axes[axis][i][c];
+                assert!(
+                    (found - expected).abs() < 1e-6 * largest,
+                    "{axis} {i} {c}: {found} {expected}"
+                );
+            }
+        }
+    }
+}
