@@ -9,6 +9,7 @@
 //!
 //! Beside it stands what it is compared with: [`lbg`] places samples evenly among the vertices, [`global_weights`] takes all of them at every vertex.
 
+mod first_order;
 mod hierarchy;
 mod lbg;
 mod octree;
@@ -18,6 +19,7 @@ mod samples;
 #[cfg(test)]
 mod tests;
 
+pub use first_order::{FirstOrderSamples, Responses, reconstruct_first_order, refine_first_order};
 pub use hierarchy::{VertexHierarchy, VertexNode};
 pub use lbg::{Codebook, lbg};
 pub use octree::SampleOctree;

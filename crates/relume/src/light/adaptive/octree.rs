@@ -25,7 +25,12 @@ pub struct SampleOctree {
 impl SampleOctree {
     /// Of all samples with a finite radius.
     pub fn new(samples: &LightSamples) -> Self {
-        let all = || samples.positions.iter().zip(&samples.radii);
+        Self::of(&samples.positions, &samples.radii)
+    }
+
+    /// Of spheres about these points; those of infinite radius are left out.
+    pub fn of(positions: &[DVec3], radii: &[f64]) -> Self {
+        let all = || positions.iter().zip(radii);
         let spheres = || all().filter(|(_, r)| r.is_finite());
         let low = spheres().fold(DVec3::INFINITY, |low, (p, r)| low.min(*p - *r));
         let high = spheres().fold(DVec3::NEG_INFINITY, |high, (p, r)| high.max(*p + *r));

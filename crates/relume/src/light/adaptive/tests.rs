@@ -1,9 +1,12 @@
 //! Hierarchy, octree, reconstruction, and the quantiser.
 
+mod first_order;
+
 use glam::{DAffine3, DVec3, Vec3};
 
 use super::*;
 use crate::basis::Order;
+use crate::light::VertexLight;
 use crate::light::emitter::{
     ClosedForm, Emitter, EmitterMesh, Emitters, Incident, Pattern, Placed, Shape,
 };
