@@ -124,9 +124,10 @@ impl Emitters {
         if corners > MAX_CORNERS {
             return Err(EmitterError::TooMany { corners });
         }
+        let all = emitters.iter().map(pattern::count).sum();
         let cells = emitters
             .iter()
-            .map(|emitter| Cells::of(emitter).map(Arc::new));
+            .map(|emitter| Cells::of(emitter, all).map(Arc::new));
         Ok(Self {
             cells: cells.collect(),
             emitters,
