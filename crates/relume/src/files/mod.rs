@@ -1,5 +1,6 @@
 //! Writing files whole or not at all, and numbers that live in memory or in a file.
 
+mod named;
 mod npy;
 pub mod npz;
 mod rows;
@@ -10,6 +11,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::sync::{PoisonError, RwLock};
 
+pub(crate) use named::{LEADS_OUT, Unread, check_relative, read_regular};
 pub use rows::{Rows, le_bytes, le_words};
 pub use temporary::{leftovers, remove_leftovers};
 

@@ -265,7 +265,7 @@ fn field<'a>(
 }
 
 /// A value from a file, short and fit to print.
-fn shown(value: &Value) -> String {
+pub(super) fn shown(value: &Value) -> String {
     const LONGEST: usize = 40;
     let text = printable(&value.to_string());
     match text.char_indices().nth(LONGEST) {

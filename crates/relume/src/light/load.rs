@@ -1,10 +1,8 @@
 //! From what a person names to light.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
-use crate::files::printable;
+use crate::files::{Unread, printable, read_regular};
 
 use super::decode::decode;
 use super::environment::Environment;
@@ -135,31 +133,15 @@ fn said_of(name: &str, warnings: Vec<String>) -> Vec<String> {
 }
 
 fn read_file(path: &Path, name: &str) -> Result<Vec<u8>, LightError> {
-    let failed = |source| LightError::Read {
-        path: name.to_owned(),
-        source,
-    };
-    // Asked before opening: opening a pipe would wait.
-    let metadata = std::fs::metadata(path).map_err(failed)?;
-    if !metadata.is_file() {
-        return Err(LightError::NotAFile {
-            path: name.to_owned(),
-        });
-    }
-    if metadata.len() > MAX_FILE_BYTES {
-        return Err(LightError::FileTooLarge {
-            path: name.to_owned(),
-            bytes: metadata.len(),
-        });
-    }
-    let mut bytes = Vec::new();
-    bytes
-        .try_reserve_exact(metadata.len() as usize)
-        .map_err(|error| failed(std::io::Error::new(std::io::ErrorKind::OutOfMemory, error)))?;
-    File::open(path)
-        .and_then(|file| file.take(MAX_FILE_BYTES).read_to_end(&mut bytes))
-        .map_err(failed)?;
-    Ok(bytes)
+    let given = name.to_owned();
+    read_regular(path, MAX_FILE_BYTES).map_err(|unread| match unread {
+        Unread::Io(source) => LightError::Read {
+            path: given,
+            source,
+        },
+        Unread::NotAFile => LightError::NotAFile { path: given },
+        Unread::TooLarge(bytes) => LightError::FileTooLarge { path: given, bytes },
+    })
 }
 
 #[cfg(test)]

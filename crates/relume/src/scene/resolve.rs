@@ -1,14 +1,12 @@
 //! Files a scene file refers to: only regular ones inside its own folder.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
 use super::SceneError;
-use crate::files::printable;
+use crate::files::{self, LEADS_OUT, Unread, check_relative, printable};
 
 /// Largest file read. What is baked must fit into a `.glb`, whose lengths have 32 bits.
 const MAX_FILE: u64 = u32::MAX as u64;
@@ -107,7 +105,7 @@ impl<'a> Folder<'a> {
             Place::Disk(root) => {
                 let real = root.join(relative).canonicalize().map_err(io)?;
                 if !real.starts_with(root) {
-                    return Err(refused(reference, "leads out of the scene's folder"));
+                    return Err(refused(reference, LEADS_OUT));
                 }
                 read_regular(&real, &quoted(reference))
             }
@@ -160,66 +158,18 @@ fn percent_decoded(reference: &str) -> Result<String, SceneError> {
         .map_err(|_| refused(reference, "is not UTF-8 once percent-decoded"))
 }
 
-/// Refuses whatever is not a plain relative path that stays where it starts, on every operating system alike.
-fn check_relative(path: &str) -> Result<(), &'static str> {
-    if path.contains('\0') {
-        return Err("contains a zero byte");
-    }
-    if path.contains('\\') {
-        return Err("contains a backslash");
-    }
-    if path.starts_with('/') {
-        return Err("is an absolute path");
-    }
-    if path.contains(':') {
-        return Err("contains a colon (a drive letter or a stream)");
-    }
-    let mut depth = 0usize;
-    for part in path.split('/') {
-        match part {
-            "" | "." => {}
-            ".." if depth == 0 => return Err("leads out of the scene's folder"),
-            ".." => depth -= 1,
-            _ => depth += 1,
-        }
-    }
-    if depth == 0 {
-        return Err("names no file");
-    }
-    Ok(())
-}
-
-/// Reads a whole regular file of bounded size; devices and pipes are not even opened.
+/// Reads a whole regular file of bounded size.
 fn read_regular(path: &Path, name: &str) -> Result<Vec<u8>, SceneError> {
-    let io = |source| SceneError::Io {
-        name: name.to_owned(),
-        source,
-    };
-    if !path.metadata().map_err(io)?.is_file() {
-        return Err(SceneError::NotAFile {
-            name: name.to_owned(),
-        });
-    }
-    let file = File::open(path).map_err(io)?;
-    let length = file.metadata().map_err(io)?.len();
-    let too_large = |bytes| SceneError::FileTooLarge {
-        name: name.to_owned(),
-        bytes,
-        limit: MAX_FILE,
-    };
-    if length > MAX_FILE {
-        return Err(too_large(length));
-    }
-    let mut bytes = Vec::with_capacity(usize::try_from(length).map_err(|_| too_large(length))?);
-    // The file may have grown since.
-    let read = file
-        .take(MAX_FILE + 1)
-        .read_to_end(&mut bytes)
-        .map_err(io)? as u64;
-    if read > MAX_FILE {
-        return Err(too_large(read));
-    }
-    Ok(bytes)
+    let name = name.to_owned();
+    files::read_regular(path, MAX_FILE).map_err(|unread| match unread {
+        Unread::Io(source) => SceneError::Io { name, source },
+        Unread::NotAFile => SceneError::NotAFile { name },
+        Unread::TooLarge(bytes) => SceneError::FileTooLarge {
+            name,
+            bytes,
+            limit: MAX_FILE,
+        },
+    })
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use crate::light::MAX_RADIANCE;
 /// How far a corner may lie off its face's plane, as a share of the face's size.
 const FLAT: f64 = 1e-4;
 /// Farther from the origin, or larger, nothing may be, metres.
-const MAX_LENGTH: f64 = 1e9;
+pub const MAX_LENGTH: f64 = 1e9;
 
 /// An emitter that cannot be used. Every message is one line: what, where, what to do.
 #[derive(Clone, Debug, PartialEq, Error)]

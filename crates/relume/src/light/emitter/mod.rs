@@ -9,6 +9,7 @@
 mod closed_form;
 mod cube_map;
 mod error;
+mod file;
 mod pattern;
 mod placed;
 mod sample;
@@ -27,6 +28,7 @@ use super::HdrImage;
 pub use closed_form::ClosedForm;
 pub use cube_map::CubeMap;
 pub use error::EmitterError;
+pub use file::{EmitterFileError, EntryError, from_json, load};
 pub use placed::{EmitterHit, Placed, PlacedPolygon, PlacedSphere};
 pub use sample::{Incident, LightGradient, Sampler};
 
@@ -122,9 +124,10 @@ impl Emitters {
         if corners > MAX_CORNERS {
             return Err(EmitterError::TooMany { corners });
         }
+        let all = emitters.iter().map(pattern::count).sum();
         let cells = emitters
             .iter()
-            .map(|emitter| Cells::of(emitter).map(Arc::new));
+            .map(|emitter| Cells::of(emitter, all).map(Arc::new));
         Ok(Self {
             cells: cells.collect(),
             emitters,

@@ -12,7 +12,7 @@ use crate::light::MAX_RADIANCE;
 const DEEPEST: u32 = 7;
 /// As deep as radiance that is linear over a triangle needs it.
 const LINEAR: u32 = 5;
-/// All cells of an emitter together, or they are coarser.
+/// All cells of a set of emitters together, or they are coarser.
 const MOST_CELLS: usize = 1 << 22;
 
 /// The cells of one emitter's faces.
@@ -40,12 +40,12 @@ pub struct Cell {
 }
 
 impl Cells {
-    /// `None` where radiance is the same all over each face.
-    pub fn of(emitter: &Emitter) -> Option<Self> {
+    /// `None` where radiance is the same all over each face. `all` counts the triangles of every emitter that has cells.
+    pub fn of(emitter: &Emitter, all: usize) -> Option<Self> {
         let Shape::Mesh(mesh) = &emitter.shape else {
             return None;
         };
-        if matches!(emitter.pattern, Pattern::Uniform(_) | Pattern::PerFace(_)) {
+        if count(emitter) == 0 {
             return None;
         }
         let fan = |corners: &Vec<u32>| -> Vec<[u32; 3]> {
@@ -53,7 +53,7 @@ impl Cells {
             pairs.map(|pair| [corners[0], pair[0], pair[1]]).collect()
         };
         let fans: Vec<[u32; 3]> = mesh.faces.iter().flat_map(fan).collect();
-        let room = (MOST_CELLS / fans.len().max(1)).max(1).ilog(4);
+        let room = (MOST_CELLS / all.max(1)).max(1).ilog(4);
         let triangle = |corners: [u32; 3]| {
             let depth = depth(emitter, corners).min(room);
             let mut cells = vec![Cell::default(); ((1_usize << (2 * (depth + 1))) - 1) / 3];
@@ -63,6 +63,16 @@ impl Cells {
         Some(Self {
             triangles: fans.into_iter().map(triangle).collect(),
         })
+    }
+}
+
+/// How many triangles of an emitter are cut into cells.
+pub fn count(emitter: &Emitter) -> usize {
+    match (&emitter.shape, &emitter.pattern) {
+        (Shape::Sphere { .. }, _) | (_, Pattern::Uniform(_) | Pattern::PerFace(_)) => 0,
+        (Shape::Mesh(mesh), Pattern::PerVertex(_) | Pattern::Texture { .. }) => {
+            mesh.faces.iter().map(|face| face.len() - 2).sum()
+        }
     }
 }
 

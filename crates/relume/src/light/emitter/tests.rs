@@ -209,3 +209,19 @@ fn faces_without_area_are_left_out_with_their_radiance() {
         .unwrap();
     assert_eq!(right.radiance, [3.0; 3]);
 }
+
+#[test]
+fn cells_of_many_emitters_take_no_more_than_those_of_one() {
+    let slope = || {
+        let pattern = Pattern::PerVertex(vec![[0.0; 3], [1.0; 3], [2.0; 3], [1.0; 3]]);
+        of(Shape::Mesh(EmitterMesh::quad(1.0, 1.0)), pattern)
+    };
+    let cells = |count: usize| -> usize {
+        let set = Emitters::new(vec![slope(); count]).unwrap();
+        let trees = set.cells.iter().flatten().flat_map(|c| &c.triangles);
+        trees.map(|tree| tree.cells.len()).sum()
+    };
+    // Linear radiance is cut five times: 1 + 4 + … + 4⁵ cells for each of two triangles. Three thousand such are cut four times.
+    assert_eq!(cells(1), 2 * 1365);
+    assert_eq!(cells(3000), 6000 * 341);
+}

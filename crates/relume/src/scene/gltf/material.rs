@@ -215,7 +215,7 @@ fn reflection(metallic: f32, roughness: f32) -> Reflection {
 
 /// Decoded textures by (image, sampler).
 #[derive(Default)]
-struct Textures {
+pub(super) struct Textures {
     known: BTreeMap<(usize, [bool; 1], [u8; 2]), Option<usize>>,
     dropped: usize,
     elsewhere: usize,
@@ -244,7 +244,8 @@ impl Textures {
         Ok(texture)
     }
 
-    fn get(
+    /// The decoded texture; `None` where its image is of a format that is not read.
+    pub(super) fn get(
         &mut self,
         data: &Data<'_>,
         scene: &mut Scene,

@@ -2,6 +2,7 @@
 
 mod accessor;
 mod container;
+mod emission;
 mod json;
 mod material;
 mod merge;
@@ -20,6 +21,7 @@ use super::finish::Repairs;
 use super::{Instance, Scene, SceneError};
 use crate::files::printable;
 use accessor::Data;
+pub(crate) use emission::{Glow, emission};
 use json::{Primitive, Root, get};
 pub(crate) use material::Maps;
 use material::Materials;

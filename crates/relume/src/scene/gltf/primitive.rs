@@ -77,7 +77,12 @@ fn vectors(
     Ok(values.into_iter().map(Vec3::from).collect())
 }
 
-fn same_count(found: usize, count: usize, what: &str, place: &str) -> Result<(), SceneError> {
+pub(super) fn same_count(
+    found: usize,
+    count: usize,
+    what: &str,
+    place: &str,
+) -> Result<(), SceneError> {
     if found == count {
         return Ok(());
     }

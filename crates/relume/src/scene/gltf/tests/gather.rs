@@ -79,7 +79,7 @@ fn parts_that_must_not_or_cannot_be_read_are_named() {
     let mut json = scatter(&textured(), folder.path());
     let path = folder.path().join("scene.gltf");
     for (uri, expected) in [
-        ("../secret.png", "leads out of the scene's folder"),
+        ("../secret.png", "leads out of the folder of the file"),
         ("file:///secret.png", "scheme other than data:"),
         ("my%20parts/none.png", "cannot read"),
         ("data:image/png;base64,???", "broken data: URI"),
