@@ -65,6 +65,26 @@ impl VertexLight {
         self.coefficients.len() / self.order.count()
     }
 
+    /// This and a distant light, at the higher of their orders.
+    pub fn plus(&self, distant: &ShLight) -> Self {
+        let order = self.order.max(distant.order);
+        let distant = distant.resized(order);
+        let mut coefficients = Vec::with_capacity(self.vertex_count() * order.count());
+        for vertex in 0..self.vertex_count() {
+            let near = self
+                .coefficients(vertex)
+                .iter()
+                .chain(std::iter::repeat(&[0.0; 3]));
+            let pairs = near.zip(distant.coefficients());
+            coefficients
+                .extend(pairs.map(|(a, b)| std::array::from_fn::<f32, 3, _>(|c| a[c] + b[c])));
+        }
+        Self {
+            order,
+            coefficients,
+        }
+    }
+
     /// The `order²` RGB coefficients of one vertex, index `l(l+1)+m`. Panics where there is no such vertex.
     pub fn coefficients(&self, vertex: usize) -> &[[f32; 3]] {
         let count = self.order.count();

@@ -3,6 +3,7 @@
 //! ```text
 //! text ──EnvSpec──▶ load ──▶ Environment ──project──▶ ShLight ──▶ light.json
 //!                   (image files, layouts, turns)
+//! emitters.json, glTF ──emitter──▶ Placed ──adaptive, or at every vertex──▶ VertexLight ──▶ light.npz
 //! ```
 //!
 //! All of it is radiance, linear Rec. 709, scene-referred, from directions that point away from the scene (right-handed, +Y up).
@@ -37,6 +38,7 @@ mod sun;
 mod texel;
 mod turn;
 mod values;
+mod vertex_file;
 mod window;
 
 pub use environment::{Environment, Rotated};
@@ -53,4 +55,5 @@ pub use sky::{SKY_UNIT, Sky};
 pub use spec::EnvSpec;
 pub use sun::Sun;
 pub use turn::Turn;
+pub use vertex_file::VertexLightError;
 pub use window::WindowChoice;

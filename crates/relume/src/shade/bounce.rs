@@ -1,0 +1,144 @@
+//! Bounces of light that varies over the object: direct light by its own transfer at each side, then surface radiance by the gather operator.
+//!
+//! Transfer with bounces folded in holds for distant light only: it takes the light at a point hit for that at the receiver.
+
+use thiserror::Error;
+
+use super::{transferred_radiance, transferred_radiance_back};
+use crate::asset::{Transfer, TransferKind};
+use crate::light::IncidentLight;
+
+/// Transferred radiance (irradiance / π, without the receiver's albedo) of every side, linear Rec. 709.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SideRadiance {
+    /// Of the front of each vertex.
+    pub front: Vec<[f32; 3]>,
+    /// One per entry of [`crate::asset::BackTransfer::vertices`].
+    pub back: Vec<[f32; 3]>,
+}
+
+/// Bounces that a transfer cannot make.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum BounceError {
+    /// Its vectors count bounces already.
+    #[error(
+        "it was baked with bounces, which hold for distant light alone; bake it with --bounces 0 --gather, and ask for bounces here"
+    )]
+    Folded,
+    /// It does not say how light bounces on.
+    #[error("it has no gather operator to bounce light with; bake it again with --gather")]
+    NoGather,
+    /// Its surfaces are glossy.
+    #[error(
+        "bounces of light that varies over the object are of diffuse assets; bake without --transfer glossy, or leave --bounces out"
+    )]
+    Glossy,
+}
+
+/// Transferred radiance after `bounces` interreflections under any light: E₀ = T₀ l, then E₀ + G E₀ + … + Gᵏ E₀.
+///
+/// # Errors
+/// [`BounceError`] where bounces are asked for and the transfer has none to give, or where light varies by vertex or object and bounces are folded into it.
+pub fn bounced(
+    transfer: &Transfer,
+    light: &IncidentLight,
+    bounces: u32,
+) -> Result<SideRadiance, BounceError> {
+    let folded = matches!(transfer.kind, TransferKind::Shadowed { bounces: 1.. });
+    let varies = !matches!(light, IncidentLight::Distant(_));
+    if folded && (varies || bounces > 0) {
+        return Err(BounceError::Folded);
+    }
+    let mut direct = SideRadiance {
+        front: transferred_radiance(transfer, light),
+        back: transferred_radiance_back(transfer, light),
+    };
+    if bounces == 0 {
+        return Ok(direct);
+    }
+    if transfer.matrices.is_some() {
+        return Err(BounceError::Glossy);
+    }
+    let gather = transfer.gather.as_ref().ok_or(BounceError::NoGather)?;
+    let fronts = direct.front.len();
+    let mut last = std::mem::take(&mut direct.front);
+    last.append(&mut direct.back);
+    let mut sum = last.clone();
+    for _ in 0..bounces {
+        last = gather.apply(&last);
+        for (sum, added) in sum.iter_mut().zip(&last) {
+            *sum = std::array::from_fn(|c| sum[c] + added[c]);
+        }
+    }
+    let back = sum.split_off(fronts);
+    Ok(SideRadiance { front: sum, back })
+}
+
+#[cfg(test)]
+#[cfg(feature = "bake")]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use super::*;
+    use crate::bake::{BakeOptions, Monitor, bake};
+    use crate::basis::Order;
+    use crate::light::{ShLight, VertexLight};
+    use crate::scene::{World, bundled};
+
+    fn baked(world: &World, options: &BakeOptions) -> Transfer {
+        let monitor = Monitor {
+            progress: &|_| {},
+            cancelled: &AtomicBool::new(false),
+        };
+        bake(world, options, &monitor).unwrap().transfer
+    }
+
+    #[test]
+    fn bounces_of_distant_light_are_those_of_the_bake() {
+        let mut scene = bundled::bowl(0.7, 0.6, 24);
+        scene.materials[0].double_sided = true;
+        let world = World::new(&scene);
+        let options = BakeOptions {
+            order: Order::new(3).unwrap(),
+            samples: 64,
+            gather: true,
+            ..BakeOptions::default()
+        };
+        let direct = baked(&world, &options);
+        let folded = baked(
+            &world,
+            &BakeOptions {
+                bounces: 2,
+                ..options
+            },
+        );
+        let coefficients: Vec<[f32; 3]> =
+            (0..9).map(|i| [1.0, 0.5 + i as f32 * 0.1, 0.2]).collect();
+        let far = ShLight::new(Order::new(3).unwrap(), coefficients.clone());
+        let light = IncidentLight::Distant(far);
+        let found = bounced(&direct, &light, 2).unwrap();
+        let expected = bounced(&folded, &light, 0).unwrap();
+        for (a, b) in [
+            (&found.front, &expected.front),
+            (&found.back, &expected.back),
+        ] {
+            assert_eq!(a.len(), b.len());
+            for (a, b) in a.iter().zip(b) {
+                assert!(
+                    (0..3).all(|c| (a[c] - b[c]).abs() < 2e-4 * (1.0 + b[c].abs())),
+                    "{a:?} {b:?}"
+                );
+            }
+        }
+        let repeated = coefficients.repeat(direct.vertex_count());
+        let near = IncidentLight::PerVertex(VertexLight::new(Order::new(3).unwrap(), repeated));
+        assert_eq!(bounced(&direct, &near, 2).unwrap(), found);
+        assert_eq!(bounced(&folded, &near, 0), Err(BounceError::Folded));
+        assert_eq!(bounced(&folded, &light, 1), Err(BounceError::Folded));
+        let mut bare = direct;
+        bare.gather = None;
+        assert_eq!(bounced(&bare, &near, 1), Err(BounceError::NoGather));
+        assert!(bounced(&bare, &near, 0).is_ok());
+    }
+}
