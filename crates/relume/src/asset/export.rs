@@ -1,4 +1,4 @@
-//! Arrays for numpy: `transfer.npz`, `compound.npz` and `radiance.npz` (docs/format.md).
+//! Arrays for numpy: `transfer.npz`, `compound.npz`, `light.npz` and `radiance.npz` (docs/format.md).
 //!
 //! Rows are vertices: first those of the source in the order of [`World`], then those that tessellation added.
 
@@ -7,6 +7,7 @@ use std::path::Path;
 
 use super::{Asset, AssetError, Matrices, header};
 use crate::files::npz::{self, Npz};
+use crate::light::{VertexLight, VertexLightError};
 use crate::scene::World;
 
 /// Writes the transfer vectors of `asset` as `transfer.npz`, with positions, normals, albedo and the basis header.
@@ -37,6 +38,46 @@ pub fn export_transfer(asset: &Asset, world: &World, path: &Path) -> Result<(), 
         }
         write_header(npz, asset, header::QUANTITY)
     })
+}
+
+/// Writes light that varies by vertex as `light.npz`, with positions and normals.
+///
+/// float32 `position`, `normal` `[V, 3]` in the space of the scene's root, `coefficients` `[V, n², 3]`: radiance, no π, cosine or albedo folded in; int32
+/// `source_vertex` `[V]`, bool `valid` `[V]`. The same bytes each time.
+pub fn export_light(
+    world: &World,
+    valid: &[bool],
+    light: &VertexLight,
+    path: &Path,
+) -> Result<(), AssetError> {
+    fits(world, light.vertex_count(), "lights")?;
+    fits(world, valid.len(), "flags")?;
+    let rows = Rows::new(world);
+    save(path, |npz| {
+        rows.write(npz, world, valid)?;
+        light.write(npz, rows.each())
+    })
+}
+
+/// Reads what [`export_light`] wrote for the same scene, or somebody else for its rows: light of the vertices of `world`.
+///
+/// # Errors
+/// [`VertexLightError`] where the file is none, or of another number of vertices.
+pub fn import_light(world: &World, path: &Path) -> Result<VertexLight, VertexLightError> {
+    let light = VertexLight::load(path)?;
+    let (found, expected) = (light.vertex_count(), world.positions.len());
+    if found != expected {
+        return Err(VertexLightError::Count {
+            path: path.display().to_string(),
+            found,
+            expected,
+        });
+    }
+    let places = Rows::new(world).places();
+    let rows = places
+        .iter()
+        .flat_map(|&row| light.coefficients(row as usize));
+    Ok(VertexLight::new(light.order(), rows.copied().collect()))
 }
 
 /// Writes the matrices of `shade::Compound` as `compound.npz`, with positions, normals and the basis header.

@@ -23,7 +23,7 @@ mod write;
 
 pub use describe::{Description, describe};
 pub use error::AssetError;
-pub use export::{export_compound, export_radiance, export_transfer};
+pub use export::{export_compound, export_light, export_radiance, export_transfer, import_light};
 pub use gather::Gather;
 pub use precision::{PastHalf, Precision};
 pub use read::{from_glb, read};

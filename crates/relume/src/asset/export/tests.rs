@@ -219,3 +219,25 @@ print(f['transfer'].astype('float64').sum(), v)";
     assert!((sum.parse::<f64>().unwrap() - expected).abs() <= 1e-12 * magnitude);
     assert_eq!(count, asset.transfer.vertex_count().to_string());
 }
+
+#[test]
+fn light_of_vertices_is_written_in_the_order_of_rows_and_comes_back() {
+    let (asset, world, _) = exported();
+    let count = world.positions.len();
+    let coefficients = (0..4 * count).map(|i| [i as f32, 0.5, -1.0]).collect();
+    let light = VertexLight::new(crate::basis::Order::new(2).unwrap(), coefficients);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("light.npz");
+    export_light(&world, &asset.transfer.valid, &light, &path).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let (shape, values) = array::<f32>(&bytes, "coefficients");
+    assert_eq!(shape, [count as u64, 4, 3]);
+    for (row, vertex) in values.chunks(12).zip(expected_rows(&world)) {
+        assert_eq!(row, light.coefficients(vertex).as_flattened());
+    }
+    assert_eq!(import_light(&world, &path).unwrap(), light);
+    let mut other = world.clone();
+    other.positions.pop();
+    let message = import_light(&other, &path).unwrap_err().to_string();
+    assert!(message.contains("--for"), "{message}");
+}
