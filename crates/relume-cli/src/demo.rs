@@ -70,6 +70,7 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
         tracer: &tracer,
         camera,
         outgoing: None,
+        emitters: None,
     };
     let studio = Studio {
         view,

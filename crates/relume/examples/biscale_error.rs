@@ -82,7 +82,7 @@ fn baked(
     let behind = |_: Vec3| [NOTHING; 3];
     let start = Instant::now();
     let tracer = Tracer::new(world);
-    let picture = display::render(world, &tracer, &glossy, &behind, camera, &size)?;
+    let picture = display::render(world, &tracer, &glossy, &behind, None, camera, &size)?;
     println!("rendered in {:.1} s", start.elapsed().as_secs_f64());
     Ok(picture)
 }

@@ -227,6 +227,7 @@ fn covered(tile: Tile, light: &ShLight, transfer_order: Order) -> Result<Picture
         &Tracer::new(&world),
         &glossy,
         &behind,
+        None,
         &camera(),
         &size,
     )?;

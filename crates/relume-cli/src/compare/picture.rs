@@ -82,6 +82,7 @@ impl Shot<'_> {
             tracer: &tracer,
             camera: self.camera,
             outgoing: display::outgoing(self.world, self.transfer)?,
+            emitters: None,
         };
         let (transfer, light) = (self.transfer, self.light);
         let exposure = view.exposure(Exposure::Auto, transfer, light, (width, height))?;

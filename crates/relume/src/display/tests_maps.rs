@@ -136,7 +136,7 @@ fn a_pixel_reflects_as_its_maps_say() {
             height: 1,
             samples_per_pixel: 1,
         };
-        let ours = render(&world, &tracer, &glossy, &black, &camera, &one).unwrap();
+        let ours = render(&world, &tracer, &glossy, &black, None, &camera, &one).unwrap();
         let paths: Vec<DVec3> = (0..16).map(|seed| traced(&world, &camera, seed)).collect();
         let mean = paths.iter().sum::<DVec3>() / 16.0;
         let spread: DVec3 = paths.iter().map(|p| (*p - mean) * (*p - mean)).sum();
