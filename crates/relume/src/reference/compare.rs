@@ -108,6 +108,37 @@ pub fn compare(
     })
 }
 
+/// Compares transferred radiance that was found in some other way with path tracing under `sources` at random vertices of `world`.
+///
+/// `ours` is that of each of the world's vertices: irradiance / π without the vertex's albedo, linear Rec. 709, after at most `bounces`
+/// interreflections. What is not `valid` is left out and counted as such. `None` when there is no valid vertex to compare. Panics unless there is one
+/// of each for every vertex.
+pub fn compare_radiance(
+    world: &World,
+    valid: &[bool],
+    ours: &[[f32; 3]],
+    bounces: u32,
+    sources: &Sources<'_>,
+    options: &CompareOptions,
+) -> Option<Comparison> {
+    let vertices = world.positions.len();
+    assert_eq!(valid.len(), vertices, "one flag per vertex");
+    assert_eq!(ours.len(), vertices, "one radiance per vertex");
+    let (chosen, invalid) = choose(world, valid, options, |_| true);
+    let reference = estimate(
+        world,
+        &receivers_at(world, &chosen),
+        sources,
+        &replicates_of(options, bounces),
+    );
+    let ours = |vertex: usize| ours[vertex].map(f64::from);
+    Some(Comparison {
+        invalid,
+        bounces,
+        ..judge(world, &chosen, ours, &reference, options)?
+    })
+}
+
 /// The figures of `ours` against estimates at the chosen vertices; `None` without any. What was left out and what both sides count is the caller's to
 /// say.
 pub(super) fn judge(

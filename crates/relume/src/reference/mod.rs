@@ -46,7 +46,7 @@ mod tests_emitters_scene;
 mod tests_glossy;
 mod toward;
 
-pub use compare::{CompareOptions, Comparison, VertexError, compare};
+pub use compare::{CompareOptions, Comparison, VertexError, compare, compare_radiance};
 pub use estimate::{
     Estimate, EstimateOptions, Receiver, TransferEstimate, estimate, estimate_transfer,
     receivers_at, sh_radiance,

@@ -228,6 +228,56 @@ fn a_camera_sees_lamps_before_behind_and_beside_surfaces() {
     agree("pixel", &found, DVec3::splat(expected), slack, 0.006);
 }
 
+/// A ball's vertices, and which of them have all of a small lamp above their horizon.
+fn lit_ball() -> (World, Vec<bool>, Vec<[f32; 3]>, Emitter) {
+    let world = World::new(&bundled::sphere(32, 0.5));
+    let (radius, at) = (0.5, DVec3::new(1.0, 3.0, 2.0));
+    let way = |v: usize| at - world.positions[v].as_dvec3();
+    let height = |v: usize| way(v).dot(world.normals[v].as_dvec3());
+    let vertices = 0..world.positions.len();
+    let valid = vertices.clone().map(|v| height(v) > radius).collect();
+    let share = |v: usize| radius * radius / way(v).length_squared() * height(v) / way(v).length();
+    let ours = vertices.map(|v| [1.0, 2.0, 3.0].map(|x| (x * share(v)) as f32));
+    let ours = ours.collect();
+    let mut lamp = ball(radius, at, 1.0);
+    lamp.pattern = crate::light::emitter::Pattern::Uniform([1.0, 2.0, 3.0]);
+    (world, valid, ours, lamp)
+}
+
+#[test]
+fn transferred_radiance_of_others_is_compared_under_emitters() {
+    let (world, valid, mut ours, lamp) = lit_ball();
+    let lamps = placed(vec![lamp]);
+    let chosen = CompareOptions {
+        vertices: 80,
+        paths: 8192,
+        ..CompareOptions::default()
+    };
+    let against = |ours: &[[f32; 3]]| {
+        compare_radiance(&world, &valid, ours, 1, &near(&lamps), &chosen).unwrap()
+    };
+    // A convex body sends nothing on to itself.
+    let good = against(&ours);
+    assert_eq!((good.vertices, good.bounces), (80, 1));
+    assert!(good.invalid > 80, "{}", good.invalid);
+    println!("{:?} {} {:?}", good.relative_rms, good.noise, good.bias);
+    // Paths start a thousandth of an edge before a vertex and as far toward the middle of its triangles: 10⁻⁴ of the lamp's distance.
+    assert!(
+        good.relative_rms.value < 5e-4 && good.noise < 5e-4,
+        "{good:?}"
+    );
+    assert!(good.worst.iter().all(|worst| valid[worst.vertex]));
+    ours.iter_mut().flatten().for_each(|x| *x *= 0.98);
+    let dim = against(&ours);
+    assert!((dim.relative_rms.value - 0.02).abs() < 0.001, "{dim:?}");
+    assert!((dim.bias.value + 0.02).abs() < 0.001 && dim.bias.high < 0.0);
+    let nobody = vec![false; valid.len()];
+    assert_eq!(
+        compare_radiance(&world, &nobody, &ours, 1, &near(&lamps), &chosen),
+        None
+    );
+}
+
 #[test]
 fn a_lamp_in_a_closed_ball_makes_a_geometric_series() {
     // A lamp of radius r in the middle of a closed unit sphere gives r² everywhere. All of the wall is alike, so of its light each point gets
