@@ -10,7 +10,7 @@ use relume::bake::trace::Tracer;
 use relume::basis::{Order, Window};
 use relume::display::{self, Picture, RaycastOptions, ToneMap};
 use relume::light::{EnvSpec, Environment, LightOptions, ShLight, Turn};
-use relume::reference::{self, RenderOptions};
+use relume::reference::{self, RenderOptions, Sources};
 use relume::scene::{World, bundled};
 
 use crate::args::{DemoArgs, Exposure};
@@ -70,6 +70,7 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
         tracer: &tracer,
         camera,
         outgoing: None,
+        emitters: None,
     };
     let studio = Studio {
         view,
@@ -210,7 +211,7 @@ impl Studio<'_> {
         let background = |d: DVec3| light.environment.radiance(d.as_vec3()).map(f64::from);
         let picture = reference::render(
             self.view.world,
-            &radiance,
+            &Sources::distant(&radiance),
             &background,
             &self.view.camera,
             &options,

@@ -32,6 +32,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         tracer: &tracer,
         camera: camera(args, &world),
         outgoing: display::outgoing(&world, &asset.transfer)?,
+        emitters: None,
     };
     let (start, transfer) = (view.camera, &asset.transfer);
     let exposure = view.exposure(args.exposure, transfer, &light, args.size)?;

@@ -5,6 +5,7 @@ use relume::asset::Transfer;
 use relume::bake::trace::Tracer;
 use relume::display::{self, Camera, CameraError, GlossyRadiance, Picture, Radiance};
 use relume::display::{RaycastOptions, VertexRadiance};
+use relume::light::emitter::Placed;
 use relume::light::{IncidentLight, ShLight};
 use relume::scene::World;
 use relume::shade::Outgoing;
@@ -18,6 +19,8 @@ pub struct View<'a> {
     pub camera: Camera,
     /// What glossy surfaces make of light; none in a diffuse asset.
     pub outgoing: Option<Outgoing>,
+    /// Emitters that are seen where they stand; their light is the transfer's to take.
+    pub emitters: Option<&'a Placed>,
 }
 
 /// Radiance by direction, where there is no surface.
@@ -30,6 +33,17 @@ impl View<'_> {
         transfer: &Transfer,
         light: &ShLight,
         background: &Background,
+        options: &RaycastOptions,
+    ) -> Result<Picture, CameraError> {
+        self.draw(transfer, light, background, self.emitters, options)
+    }
+
+    fn draw(
+        &self,
+        transfer: &Transfer,
+        light: &ShLight,
+        background: &Background,
+        emitters: Option<&Placed>,
         options: &RaycastOptions,
     ) -> Result<Picture, CameraError> {
         let light = IncidentLight::Distant(light.clone());
@@ -48,6 +62,7 @@ impl View<'_> {
             self.tracer,
             radiance,
             background,
+            emitters,
             &self.camera,
             options,
         )
@@ -64,14 +79,14 @@ impl View<'_> {
         if let Exposure::Stops(stops) = choice {
             return Ok(stops);
         }
-        // A glance is enough. What is not a number is where the background shows.
+        // A glance is enough. What is not a number is where the background shows. Emitters are no surfaces.
         let shrink = (width.max(height) / 96).max(1);
         let glance = RaycastOptions {
             width: (width / shrink).max(1),
             height: (height / shrink).max(1),
             samples_per_pixel: 1,
         };
-        let glance = self.picture(transfer, light, &|_| [f32::NAN; 3], &glance)?;
+        let glance = self.draw(transfer, light, &|_| [f32::NAN; 3], None, &glance)?;
         let luminance = |[r, g, b]: &[f32; 3]| f64::from(0.2126 * r + 0.7152 * g + 0.0722 * b);
         let surfaces = glance
             .pixels

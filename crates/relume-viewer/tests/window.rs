@@ -126,7 +126,8 @@ fn expected(asset: &Asset, exposure: f32) -> Vec<[u8; 3]> {
     let camera = Camera::framing(&world, SIZE.0 as f32 / SIZE.1 as f32);
     let behind = |direction| sky.radiance(direction);
     let tracer = Tracer::new(&world);
-    let picture = display::render(&world, &tracer, radiance, &behind, &camera, &options).unwrap();
+    let picture =
+        display::render(&world, &tracer, radiance, &behind, None, &camera, &options).unwrap();
     let tone = ToneMap { exposure };
     picture.pixels.iter().map(|&p| tone.encode(p)).collect()
 }

@@ -17,7 +17,7 @@ use relume::bake::{self, BakeOptions, Monitor};
 use relume::basis::Order;
 use relume::display::{self, Camera, GlossyRadiance, Picture, RaycastOptions, ToneMap};
 use relume::light::{self, IncidentLight, LightOptions, ShLight};
-use relume::reference::{RenderOptions, material_surfaces, render_surfaces, sh_radiance};
+use relume::reference::{RenderOptions, Sources, material_surfaces, render_surfaces, sh_radiance};
 use relume::scene::{self, ImportOptions, World};
 
 use pictures::NOTHING;
@@ -82,7 +82,7 @@ fn baked(
     let behind = |_: Vec3| [NOTHING; 3];
     let start = Instant::now();
     let tracer = Tracer::new(world);
-    let picture = display::render(world, &tracer, &glossy, &behind, camera, &size)?;
+    let picture = display::render(world, &tracer, &glossy, &behind, None, camera, &size)?;
     println!("rendered in {:.1} s", start.elapsed().as_secs_f64());
     Ok(picture)
 }
@@ -104,6 +104,13 @@ fn traced(
     };
     let behind = |_: DVec3| [f64::from(NOTHING); 3];
     let (surfaces, light) = (material_surfaces(world).ok_or("tiles")?, sh_radiance(light));
-    let picture = render_surfaces(world, &surfaces, &light, &behind, camera, &options)?;
+    let picture = render_surfaces(
+        world,
+        &surfaces,
+        &Sources::distant(&light),
+        &behind,
+        camera,
+        &options,
+    )?;
     Ok(picture)
 }

@@ -19,7 +19,7 @@ use relume::basis::Order;
 use relume::brdf::{Brdf, Phong, Reflection};
 use relume::light::{self, IncidentLight, LightOptions, ShLight};
 use relume::reference::{
-    Estimate, EstimateOptions, Seen, estimate_outgoing, material_surfaces, receivers_at,
+    Estimate, EstimateOptions, Seen, Sources, estimate_outgoing, material_surfaces, receivers_at,
     sh_radiance,
 };
 use relume::scene::{self, ImportOptions, World};
@@ -198,7 +198,8 @@ impl Bench {
             paths: self.paths,
             ..EstimateOptions::default()
         };
-        estimate_outgoing(world, &surfaces, seen, &sh_radiance(light), &options)
+        let light = sh_radiance(light);
+        estimate_outgoing(world, &surfaces, seen, &Sources::distant(&light), &options)
     }
 
     fn against(&self, ours: &[[f32; 3]], exact: &[Estimate]) -> (f64, f64) {

@@ -20,7 +20,7 @@ use relume::basis::Order;
 use relume::brdf::{Reflection, Tile};
 use relume::display::{self, Camera, GlossyRadiance, Picture, RaycastOptions, ToneMap};
 use relume::light::{self, IncidentLight, LightOptions, ShLight};
-use relume::reference::{RenderOptions, material_surfaces, render_surfaces, sh_radiance};
+use relume::reference::{RenderOptions, Sources, material_surfaces, render_surfaces, sh_radiance};
 use relume::scene::{self, Group, Instance, Material, Mesh, Scene, World, bundled};
 
 use pictures::NOTHING;
@@ -227,6 +227,7 @@ fn covered(tile: Tile, light: &ShLight, transfer_order: Order) -> Result<Picture
         &Tracer::new(&world),
         &glossy,
         &behind,
+        None,
         &camera(),
         &size,
     )?;
@@ -262,7 +263,7 @@ fn traced(
     Ok(render_surfaces(
         world,
         &surfaces,
-        &light,
+        &Sources::distant(&light),
         &behind,
         &camera(),
         &options,

@@ -7,7 +7,7 @@ use relume::asset::{Transfer, TransferKind};
 use relume::bake::trace::Tracer;
 use relume::display::{self, Camera, CameraError, Picture, RaycastOptions, ToneMap};
 use relume::light::ShLight;
-use relume::reference::{self, RenderOptions};
+use relume::reference::{self, RenderOptions, Sources};
 use relume::scene::World;
 
 use super::font;
@@ -82,6 +82,7 @@ impl Shot<'_> {
             tracer: &tracer,
             camera: self.camera,
             outgoing: display::outgoing(self.world, self.transfer)?,
+            emitters: None,
         };
         let (transfer, light) = (self.transfer, self.light);
         let exposure = view.exposure(Exposure::Auto, transfer, light, (width, height))?;
@@ -111,13 +112,14 @@ impl Shot<'_> {
         };
         let (world, camera) = (self.world, &self.camera);
         let radiance = reference::sh_radiance(self.light);
+        let sources = Sources::distant(&radiance);
         let behind = |_: DVec3| [0.0; 3];
         if !glossy {
-            return reference::render(world, &radiance, &behind, camera, &options);
+            return reference::render(world, &sources, &behind, camera, &options);
         }
         let surfaces = reference::material_surfaces(world)
             .expect("what is covered with a tile is not compared");
-        reference::render_surfaces(world, &surfaces, &radiance, &behind, camera, &options)
+        reference::render_surfaces(world, &surfaces, &sources, &behind, camera, &options)
     }
 }
 

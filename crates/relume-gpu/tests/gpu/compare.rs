@@ -35,7 +35,7 @@ impl Expected {
             samples_per_pixel: 1,
         };
         let look = |camera: &Camera| {
-            display::render(world, &tracer, radiance, background, camera, &options).unwrap()
+            display::render(world, &tracer, radiance, background, None, camera, &options).unwrap()
         };
         let picture = look(camera);
         let (mut low, mut high) = (picture.pixels.clone(), picture.pixels.clone());

@@ -10,7 +10,9 @@ use relume::bake::{self, BakeOptions, Monitor};
 use relume::basis::{Angle, Euler, EulerRotation, Order};
 use relume::brdf::Brdf;
 use relume::light::{self, IncidentLight, LightOptions, ShLight};
-use relume::reference::{EstimateOptions, Seen, estimate_outgoing, receivers_at, sh_radiance};
+use relume::reference::{
+    EstimateOptions, Seen, Sources, estimate_outgoing, receivers_at, sh_radiance,
+};
 use relume::scene::{self, ImportOptions, World};
 use relume::shade::TransferredRadiance;
 
@@ -111,7 +113,7 @@ impl Mesh {
             &self.world,
             &surfaces,
             &self.seen()?,
-            &sh_radiance(&light),
+            &Sources::distant(&sh_radiance(&light)),
             &options,
         );
         let sum =

@@ -7,6 +7,7 @@ use super::{Camera, CameraError, Picture, PixelRays};
 use crate::asset::Transfer;
 use crate::bake::trace::{Hit, Tracer};
 use crate::light::IncidentLight;
+use crate::light::emitter::Placed;
 use crate::scene::World;
 use crate::shade::{transferred_radiance, transferred_radiance_back};
 
@@ -93,6 +94,9 @@ const TILE: u32 = 8;
 /// The picture: for diffuse surfaces ([`VertexRadiance`]) albedo at the point each ray hits (textures at pixel rate) × transferred radiance
 /// interpolated from the vertices.
 ///
+/// Where one of the `emitters` is nearer than any surface, its radiance is seen: that of a pattern where the ray meets it, black for backs and what
+/// only blocks. The light they throw is in `radiance` or nowhere.
+///
 /// The side seen is that of the triangle's plane: backs of single-sided surfaces are black, those of double-sided ones show
 /// their own. The holes of an alpha mask let rays through; rays that leave the scene see `background` (radiance by unit
 /// direction). Pixels are averages of radiance over their area (box filter). The same bytes for any number of threads.
@@ -104,6 +108,7 @@ pub fn render(
     tracer: &Tracer<'_>,
     radiance: &dyn Radiance,
     background: &(dyn Fn(Vec3) -> [f32; 3] + Sync),
+    emitters: Option<&Placed>,
     camera: &Camera,
     options: &RaycastOptions,
 ) -> Result<Picture, CameraError> {
@@ -114,6 +119,7 @@ pub fn render(
         tracer,
         radiance,
         background,
+        emitters,
         rays,
         points: pixel_points(options.samples_per_pixel.max(1)),
     };
@@ -142,6 +148,7 @@ struct View<'a> {
     tracer: &'a Tracer<'a>,
     radiance: &'a dyn Radiance,
     background: &'a (dyn Fn(Vec3) -> [f32; 3] + Sync),
+    emitters: Option<&'a Placed>,
     rays: PixelRays,
     /// Where in a pixel its rays go through.
     points: Vec<(f64, f64)>,
@@ -178,6 +185,9 @@ impl View<'_> {
 
     /// Radiance along one ray.
     fn seen(&self, direction: Vec3, hit: &Hit) -> Vec3 {
+        if let Some(radiance) = self.emitter(direction, hit.t) {
+            return radiance;
+        }
         if !hit.is_hit() {
             return Vec3::from((self.background)(direction));
         }
@@ -185,6 +195,13 @@ impl View<'_> {
             return Vec3::ZERO;
         }
         self.radiance.seen(self.world, direction, hit)
+    }
+
+    /// Radiance of an emitter that is met before anything `until` away.
+    fn emitter(&self, direction: Vec3, until: f32) -> Option<Vec3> {
+        let (eye, direction) = (self.rays.eye().as_dvec3(), direction.as_dvec3());
+        let met = self.emitters?.first_hit(eye, direction)?;
+        (met.distance < f64::from(until)).then(|| Vec3::from(met.radiance))
     }
 }
 
@@ -200,7 +217,10 @@ fn pixel_points(count: u32) -> Vec<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DAffine3;
+
     use super::*;
+    use crate::light::emitter::{Emitter, EmitterMesh, Emitters, Pattern, Shape};
     use crate::scene::{AlphaMode, Scene, bundled};
 
     const SKY: [f32; 3] = [0.1, 0.2, 0.4];
@@ -218,6 +238,15 @@ mod tests {
         eye: Vec3,
         radiance: impl FnOnce(&World) -> VertexRadiance,
     ) -> Picture {
+        picture_with(scene, eye, None, radiance)
+    }
+
+    fn picture_with(
+        scene: &Scene,
+        eye: Vec3,
+        emitters: Option<&Placed>,
+        radiance: impl FnOnce(&World) -> VertexRadiance,
+    ) -> Picture {
         let world = World::new(scene);
         let camera = Camera {
             eye,
@@ -227,7 +256,16 @@ mod tests {
         };
         let tracer = Tracer::new(&world);
         let sky = |_: Vec3| SKY;
-        render(&world, &tracer, &radiance(&world), &sky, &camera, &small()).unwrap()
+        render(
+            &world,
+            &tracer,
+            &radiance(&world),
+            &sky,
+            emitters,
+            &camera,
+            &small(),
+        )
+        .unwrap()
     }
 
     /// A horizontal square of albedo ½ seen from `height` above its middle; front radiance 1, back radiance ¼ if there is any.
@@ -253,6 +291,52 @@ mod tests {
             scene.materials[0].alpha = AlphaMode::Mask(0.5);
         };
         assert_eq!(square(2.0, true, hole), SKY);
+    }
+
+    #[test]
+    fn emitters_are_seen_before_and_beside_surfaces_and_not_behind_them() {
+        let panel = |x: f64, y: f64, side: f64, turn: f64| Emitter {
+            name: "panel".to_owned(),
+            shape: Shape::Mesh(EmitterMesh::quad(side, side)),
+            pattern: Pattern::Uniform([5.0, 6.0, 7.0]),
+            two_sided: false,
+            exponent: 0,
+            world_from_emitter: DAffine3::from_translation(DVec3::new(x, y, 0.0))
+                * DAffine3::from_rotation_x(turn),
+        };
+        let up = -std::f64::consts::FRAC_PI_2;
+        let ball = |x: f64, radiance| Emitter {
+            shape: Shape::Sphere { radius: 0.4 },
+            pattern: Pattern::Uniform([radiance; 3]),
+            ..panel(x, 1.0, 1.0, up)
+        };
+        // Before the surface, one that only blocks; behind it; beside it, and one that faces down.
+        let emitters = vec![
+            ball(0.0, 3.0),
+            ball(1.2, 0.0),
+            panel(0.0, -1.0, 3.0, up),
+            panel(3.0, 0.0, 1.5, up),
+            panel(-3.0, 0.0, 1.5, -up),
+        ];
+        let placed = Emitters::new(emitters).unwrap().placed();
+        let scene = bundled::plane_under_sphere(1e-3, 100.0, 4.0, 8, 0.5);
+        let eye = Vec3::Y * 10.0;
+        let white = |world: &World| VertexRadiance {
+            front: vec![[1.0; 3]; world.positions.len()],
+            back: Vec::new(),
+        };
+        // 0.41 m a pixel on the surface.
+        let picture = picture_with(&scene, eye, Some(&placed), white);
+        assert_eq!(picture.pixel(10, 6), [3.0; 3]);
+        assert_eq!(picture.pixel(13, 6), [0.0; 3]);
+        assert_eq!(picture.pixel(10, 9), [0.5; 3]);
+        assert_eq!(picture.pixel(17, 6), [5.0, 6.0, 7.0]);
+        assert_eq!(picture.pixel(3, 6), [0.0; 3]);
+        assert_eq!(picture.pixel(10, 0), SKY);
+        let none = Emitters::new(Vec::new()).unwrap().placed();
+        let without = picture_of(&scene, eye, white);
+        assert_eq!(picture_with(&scene, eye, Some(&none), white), without);
+        assert_eq!(without.pixel(17, 6), SKY);
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::bake::{BakeOptions, Monitor, bake};
 use crate::basis::Order;
 use crate::brdf::Reflection;
 use crate::light::{IncidentLight, ShLight};
-use crate::reference::{RenderOptions, material_surfaces, render_surfaces, sh_radiance};
+use crate::reference::{RenderOptions, Sources, material_surfaces, render_surfaces, sh_radiance};
 use crate::scene::{
     Group, Instance, Material, Mesh, NormalTexture, Sampler, Scene, Texture, World,
 };
@@ -97,7 +97,14 @@ fn traced(world: &World, camera: &Camera, seed: u64) -> DVec3 {
     };
     let (surfaces, sky) = (material_surfaces(world).unwrap(), sh_radiance(&light()));
     let dark = |_: DVec3| [0.0; 3];
-    let picture = render_surfaces(world, &surfaces, &sky, &dark, camera, &options);
+    let picture = render_surfaces(
+        world,
+        &surfaces,
+        &Sources::distant(&sky),
+        &dark,
+        camera,
+        &options,
+    );
     Vec3::from(picture.unwrap().pixel(0, 0)).as_dvec3()
 }
 
@@ -136,7 +143,7 @@ fn a_pixel_reflects_as_its_maps_say() {
             height: 1,
             samples_per_pixel: 1,
         };
-        let ours = render(&world, &tracer, &glossy, &black, &camera, &one).unwrap();
+        let ours = render(&world, &tracer, &glossy, &black, None, &camera, &one).unwrap();
         let paths: Vec<DVec3> = (0..16).map(|seed| traced(&world, &camera, seed)).collect();
         let mean = paths.iter().sum::<DVec3>() / 16.0;
         let spread: DVec3 = paths.iter().map(|p| (*p - mean) * (*p - mean)).sum();

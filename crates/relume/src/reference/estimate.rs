@@ -4,15 +4,15 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::intersect::{Caster, offset};
-use super::path::{Escape, Reflection, cosine_direction, follow};
+use super::lamps::Lamps;
+use super::patch::{Lobe, Patch, Place, Reflection};
+use super::path::{Found, Paths};
 use super::rng::{Pcg32, hammersley, mix};
+use super::sources::{Light, Sources};
 use super::statistics::mean_and_standard_error;
 use crate::basis::{Order, sh::Evaluator};
 use crate::light::ShLight;
 use crate::scene::World;
-
-/// Distant radiance (linear Rec. 709) by unit direction, pointing away from the scene. May be negative where it is band-limited.
-pub type Light<'a> = dyn Fn(DVec3) -> [f64; 3] + Sync + 'a;
 
 /// A point that light is gathered at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,27 +128,31 @@ pub fn receivers_at(world: &World, vertices: &[usize]) -> Vec<Receiver> {
     vertices.iter().map(receiver).collect()
 }
 
-/// Transferred radiance at each receiver under `light`.
+/// Transferred radiance at each receiver under `sources`.
 pub fn estimate(
     world: &World,
     receivers: &[Receiver],
-    light: &Light<'_>,
+    sources: &Sources<'_>,
     options: &EstimateOptions,
 ) -> Vec<Estimate> {
-    let sums = replicate(
+    let lamps = sources.emitters.map(Lamps::new);
+    let sums = replicate_diffuse(
         world,
-        receivers.len(),
+        lamps.as_ref(),
+        receivers,
         options,
         3,
-        diffuse_path(receivers, options.bounces),
-        |escape, sum| add_radiance(light, escape, sum),
+        |found, sum| add_radiance(sources.distant, found, sum),
     );
     of_columns(&sums)
 }
 
-/// Adds the radiance that a path carries to the sums of the three channels.
-pub fn add_radiance(light: &Light<'_>, escape: &Escape, sum: &mut [f64]) {
-    let radiance = DVec3::from(light(escape.direction)) * escape.throughput;
+/// Adds the radiance that a path brings back to the sums of the three channels.
+pub fn add_radiance(light: &Light<'_>, found: &Found, sum: &mut [f64]) {
+    let mut radiance = found.near;
+    if let Some(escape) = &found.escape {
+        radiance += DVec3::from(light(escape.direction)) * escape.throughput;
+    }
     for (place, value) in sum.iter_mut().zip(radiance.to_array()) {
         *place += value;
     }
@@ -176,7 +180,10 @@ pub fn estimate_transfer(
 ) -> Vec<TransferEstimate> {
     let evaluator = Evaluator::new(order);
     let count = order.count();
-    let add = |escape: &Escape, sum: &mut [f64]| {
+    let add = |found: &Found, sum: &mut [f64]| {
+        let Some(escape) = &found.escape else {
+            return;
+        };
         with_basis(&evaluator, escape.direction, |basis| {
             for (channel, row) in sum.chunks_exact_mut(count).enumerate() {
                 for (place, y) in row.iter_mut().zip(basis) {
@@ -185,8 +192,7 @@ pub fn estimate_transfer(
             }
         });
     };
-    let path = diffuse_path(receivers, options.bounces);
-    let sums = replicate(world, receivers.len(), options, 3 * count, path, add);
+    let sums = replicate_diffuse(world, None, receivers, options, 3 * count, add);
     let of_receiver = |replicates: &[Vec<f64>]| {
         let column = |c| mean_and_standard_error(replicates.iter().map(move |means| means[c]));
         let (mean, standard_error) = (0..3 * count).map(column).unzip();
@@ -198,31 +204,43 @@ pub fn estimate_transfer(
     sums.iter().map(|r| of_receiver(r)).collect()
 }
 
-/// A path from a receiver whose first direction is cosine-distributed about its normal.
-fn diffuse_path(
+/// [`replicate`] for paths between diffuse surfaces that start at receivers.
+fn replicate_diffuse(
+    world: &World,
+    lamps: Option<&Lamps<'_>>,
     receivers: &[Receiver],
-    bounces: u32,
-) -> impl Fn(&Caster<'_>, usize, [f64; 2], &mut Pcg32) -> Option<Escape> + Sync {
-    move |caster, receiver, [u, v], rng| {
-        let from = receivers[receiver];
-        let direction = cosine_direction(from.normal.as_dvec3(), u, v);
-        let diffuse = Reflection::Diffuse;
-        follow(caster, diffuse, from.origin, direction, bounces, rng)
-    }
+    options: &EstimateOptions,
+    width: usize,
+    add: impl Fn(&Found, &mut [f64]) + Sync,
+) -> Vec<Vec<Vec<f64>>> {
+    let paths = Paths {
+        caster: &Caster::new(world),
+        reflection: Reflection::Diffuse,
+        lamps,
+        bounces: options.bounces,
+        least_bounces: options.least_bounces,
+    };
+    let white = |receiver: &Receiver| Patch {
+        place: Place::Before(receiver.origin),
+        lobe: Lobe::Diffuse {
+            normal: receiver.normal.as_dvec3(),
+            albedo: DVec3::ONE,
+        },
+    };
+    let path = |i: usize, at, rng: &mut Pcg32| paths.trace(&white(&receivers[i]), at, rng);
+    replicate(receivers.len(), options, width, path, add)
 }
 
-/// The mean over paths of what `add` adds for each path that escapes: `[point][replicate][width]`.
+/// The mean over paths of what `add` adds for each: `[point][replicate][width]`.
 ///
 /// `path` follows one from a point, given a place in the unit square for its first direction.
 pub fn replicate(
-    world: &World,
     points: usize,
     options: &EstimateOptions,
     width: usize,
-    path: impl Fn(&Caster<'_>, usize, [f64; 2], &mut Pcg32) -> Option<Escape> + Sync,
-    add: impl Fn(&Escape, &mut [f64]) + Sync,
+    path: impl Fn(usize, [f64; 2], &mut Pcg32) -> Found + Sync,
+    add: impl Fn(&Found, &mut [f64]) + Sync,
 ) -> Vec<Vec<Vec<f64>>> {
-    let caster = Caster::new(world);
     let replicates = options.replicates.max(2);
     let paths = options.paths.div_ceil(replicates).max(1);
     let one = |point: usize, replicate: u32| {
@@ -232,15 +250,8 @@ pub fn replicate(
         let mut sum = vec![0.0; width];
         for i in 0..paths {
             let (u, v) = hammersley(i, paths);
-            let escape = path(
-                &caster,
-                point,
-                [(u + du).fract(), (v + dv).fract()],
-                &mut rng,
-            );
-            if let Some(escape) = escape.filter(|e| e.bounces >= options.least_bounces) {
-                add(&escape, &mut sum);
-            }
+            let at = [(u + du).fract(), (v + dv).fract()];
+            add(&path(point, at, &mut rng), &mut sum);
         }
         sum.iter_mut().for_each(|x| *x /= f64::from(paths));
         sum

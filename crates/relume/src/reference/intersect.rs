@@ -24,10 +24,12 @@ pub struct Hit {
     pub triangle: u32,
     /// Barycentric weights of its corners.
     pub weights: [f32; 3],
+    /// Along the ray, in lengths of its direction.
+    pub distance: f32,
 }
 
 impl<'a> Caster<'a> {
-    /// Builds the tree (PLOC, reinsertion, small leaves). Binary, because obvhs's wide one overlooks what is nearer than 10⁻⁴.
+    /// Builds the tree.
     pub fn new(world: &'a World) -> Self {
         let corner = |p: Vec3| Vec3A::from(p);
         let triangles: Vec<Triangle> = (0..world.triangles.len() as u32)
@@ -36,30 +38,32 @@ impl<'a> Caster<'a> {
                 Triangle { v0, v1, v2 }
             })
             .collect();
-        let bvh = (!triangles.is_empty()).then(|| {
-            let indices = (0..triangles.len() as u32).collect();
-            let mut bvh2 = PlocBuilder::with_capacity(triangles.len()).build(
-                PlocSearchDistance::Low,
-                &triangles,
-                indices,
-                SortPrecision::U64,
-                2,
-            );
-            ReinsertionOptimizer::default().run(&mut bvh2, 0.02, None);
-            collapse(&mut bvh2, 4, 3.0);
-            bvh2
-        });
         Self {
             world,
+            bvh: tree(&triangles),
             triangles,
-            bvh,
         }
     }
 
     /// The first solid point from `origin` along `direction` (finite, not zero).
     pub fn first_hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
+        let (triangle, distance) = self.nearest(origin, direction, f32::INFINITY)?;
+        Some(Hit {
+            triangle,
+            weights: self.weights(triangle, origin, direction),
+            distance,
+        })
+    }
+
+    /// Whether anything solid is met nearer than `until` (in lengths of `direction`).
+    pub fn is_blocked(&self, origin: Vec3, direction: Vec3, until: f32) -> bool {
+        self.nearest(origin, direction, until).is_some()
+    }
+
+    /// The nearest solid triangle before `until`, and its distance.
+    fn nearest(&self, origin: Vec3, direction: Vec3, until: f32) -> Option<(u32, f32)> {
         let bvh = self.bvh.as_ref()?;
-        let ray = Ray::new_inf(origin.into(), direction.into());
+        let ray = Ray::new(origin.into(), direction.into(), 0.0, until);
         let mut nearest = RayHit::none();
         let found = bvh.ray_traverse(ray, &mut nearest, |ray, slot| {
             let triangle = bvh.primitive_indices[slot];
@@ -69,14 +73,8 @@ impl<'a> Caster<'a> {
             }
             t
         });
-        if !found {
-            return None;
-        }
-        let triangle = bvh.primitive_indices[nearest.primitive_id as usize];
-        Some(Hit {
-            triangle,
-            weights: self.weights(triangle, origin, direction),
-        })
+        let triangle = || bvh.primitive_indices[nearest.primitive_id as usize];
+        found.then(|| (triangle(), nearest.t))
     }
 
     fn is_hole(&self, triangle: u32, origin: Vec3, direction: Vec3) -> bool {
@@ -111,11 +109,17 @@ impl<'a> Caster<'a> {
         sum.try_normalize()
     }
 
+    /// Where a hit lies.
+    pub fn point(&self, hit: &Hit) -> DVec3 {
+        let corners = self.world.corners(hit.triangle).map(Vec3::as_dvec3);
+        (0..3).map(|i| corners[i] * f64::from(hit.weights[i])).sum()
+    }
+
     /// Where a ray that leaves a hit in the direction `toward` starts: the point itself, moved off the triangle's plane on that side
     /// by a ten-thousandth of the triangle's size, and by no less than the rounding of its coordinates.
     pub fn leave(&self, hit: &Hit, toward: DVec3) -> Vec3 {
         let corners = self.world.corners(hit.triangle).map(Vec3::as_dvec3);
-        let point = (0..3).map(|i| corners[i] * f64::from(hit.weights[i])).sum();
+        let point = self.point(hit);
         let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         let twice_area = cross.length();
         let Some(normal) = cross.try_normalize() else {
@@ -124,6 +128,23 @@ impl<'a> Caster<'a> {
         let side = if normal.dot(toward) < 0.0 { -1.0 } else { 1.0 };
         offset(point, side * normal, twice_area.sqrt() * 1e-4)
     }
+}
+
+/// A tree over triangles (PLOC, reinsertion, small leaves); `None` without any. Binary, because obvhs's wide one overlooks what is nearer than 10⁻⁴.
+pub fn tree(triangles: &[Triangle]) -> Option<Bvh2> {
+    if triangles.is_empty() {
+        return None;
+    }
+    let mut bvh2 = PlocBuilder::with_capacity(triangles.len()).build(
+        PlocSearchDistance::Low,
+        triangles,
+        (0..triangles.len() as u32).collect(),
+        SortPrecision::U64,
+        2,
+    );
+    ReinsertionOptimizer::default().run(&mut bvh2, 0.02, None);
+    collapse(&mut bvh2, 4, 3.0);
+    Some(bvh2)
 }
 
 /// `point` moved along the unit vector `along` by `distance`, but by no less than eight units in the last place of its largest

@@ -18,28 +18,42 @@
 //!
 //! Surfaces are diffuse unless the caller gives others ([`Surfaces`]); [`estimate_outgoing`] and [`render_surfaces`] then sample each
 //! reflection by its BRDF and estimate radiance toward an eye, the first BRDF included.
+//!
+//! Emitters ([`Sources::emitters`]) are looked for: each surface a path meets, and the receiver, takes the light of one random point of theirs if
+//! nothing is in the way. A path that meets an emitter by chance ends there and brings nothing, for it has been counted. Of
+//! [`light::emitter`](crate::light::emitter) this uses the corners and the radiance of a point toward another, and finds by rays of its own what is in the way.
 
 mod compare;
 mod estimate;
+mod figures;
 mod intersect;
+mod lamps;
 mod outgoing;
+mod patch;
 mod path;
 mod picture;
 mod rng;
+mod sources;
 mod statistics;
 mod surfaces;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
+mod tests_emitters;
+#[cfg(test)]
+mod tests_emitters_scene;
+#[cfg(test)]
 mod tests_glossy;
 mod toward;
 
-pub use compare::{CompareOptions, Comparison, Interval, VertexError, compare};
+pub use compare::{CompareOptions, Comparison, VertexError, compare, compare_radiance};
 pub use estimate::{
-    Estimate, EstimateOptions, Light, Receiver, TransferEstimate, estimate, estimate_transfer,
+    Estimate, EstimateOptions, Receiver, TransferEstimate, estimate, estimate_transfer,
     receivers_at, sh_radiance,
 };
+pub use figures::Interval;
 pub use outgoing::{Seen, estimate_outgoing};
 pub use picture::{RenderOptions, render, render_surfaces};
+pub use sources::{Light, Sources};
 pub use surfaces::{Surfaces, diffuse_surfaces, material_surfaces};
 pub use toward::compare_toward;

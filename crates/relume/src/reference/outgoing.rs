@@ -2,11 +2,13 @@
 
 use glam::DVec3;
 
-use super::estimate::{
-    Estimate, EstimateOptions, Light, Receiver, add_radiance, of_columns, replicate,
-};
-use super::path::{Reflection, follow};
-use super::surfaces::{Frame, Surfaces, reflect};
+use super::estimate::{Estimate, EstimateOptions, Receiver, add_radiance, of_columns, replicate};
+use super::intersect::Caster;
+use super::lamps::Lamps;
+use super::patch::{Lobe, Patch, Place, Reflection};
+use super::path::Paths;
+use super::sources::Sources;
+use super::surfaces::{Frame, Surfaces};
 use crate::scene::World;
 
 /// A point of a surface, and who looks at it.
@@ -22,41 +24,44 @@ pub struct Seen {
     pub toward_eye: DVec3,
 }
 
-/// Radiance from each point toward its eye under `light`, with standard errors: its own BRDF is in it, unlike in
+/// Radiance from each point toward its eye under `sources`, with standard errors: its own BRDF is in it, unlike in
 /// [`estimate`](fn@super::estimate), and after it at most `bounces` interreflections.
 ///
-/// First directions are drawn from the BRDF alone: a light much smaller than the lobe is found by few paths, which the standard errors
-/// say as long as any find it.
+/// First directions are drawn from the BRDF alone: distant light much smaller than the lobe is found by few paths, which the standard errors
+/// say as long as any find it. Emitters are looked for and not met by chance, so it is the lobe that should not be much smaller than they.
 pub fn estimate_outgoing(
     world: &World,
     surfaces: &Surfaces<'_>,
     points: &[Seen],
-    light: &Light<'_>,
+    sources: &Sources<'_>,
     options: &EstimateOptions,
 ) -> Vec<Estimate> {
-    let local = |seen: &Seen| {
+    let patch = |seen: &Seen| {
         let frame = Frame::about(seen.receiver.normal.as_dvec3());
-        let outgoing = frame.local_from_world(seen.toward_eye);
-        (surfaces(seen.triangle, seen.weights), frame, outgoing)
+        Patch {
+            place: Place::Before(seen.receiver.origin),
+            lobe: Lobe::Of {
+                frame,
+                brdf: surfaces(seen.triangle, seen.weights),
+                outgoing: frame.local_from_world(seen.toward_eye),
+            },
+        }
     };
-    let prepared: Vec<_> = points.iter().map(local).collect();
+    let patches: Vec<Patch> = points.iter().map(patch).collect();
+    let lamps = sources.emitters.map(Lamps::new);
+    let paths = Paths {
+        caster: &Caster::new(world),
+        reflection: Reflection::Of(surfaces),
+        lamps: lamps.as_ref(),
+        bounces: options.bounces,
+        least_bounces: options.least_bounces,
+    };
     let sums = replicate(
-        world,
         points.len(),
         options,
         3,
-        |caster, point, [u, v], rng| {
-            let (brdf, frame, outgoing) = &prepared[point];
-            let u = [rng.next_unit(), u, v];
-            let (weight, incident) = reflect(brdf, *outgoing, u)?;
-            let origin = points[point].receiver.origin;
-            let toward = frame.world_from_local(incident);
-            let reflection = Reflection::Of(surfaces);
-            let mut escape = follow(caster, reflection, origin, toward, options.bounces, rng)?;
-            escape.throughput *= weight;
-            Some(escape)
-        },
-        |escape, sum| add_radiance(light, escape, sum),
+        |point, at, rng| paths.trace(&patches[point], at, rng),
+        |found, sum| add_radiance(sources.distant, found, sum),
     );
     of_columns(&sums)
 }

@@ -2,10 +2,13 @@
 
 use glam::{DVec3, Vec3};
 
-use super::intersect::{Caster, Hit};
+use super::intersect::Caster;
+use super::lamps::Lamps;
+use super::patch::{Patch, Reflection};
 use super::rng::Pcg32;
-use super::surfaces::{Frame, Surfaces, reflect, seen_from_above};
-use crate::brdf::cosine_sample;
+
+/// As a share of the distance: what is that close to a point of a lamp does not hide it.
+const TOUCHING: f64 = 1e-5;
 
 /// A path that left the scene.
 #[derive(Clone, Copy, Debug)]
@@ -14,105 +17,121 @@ pub struct Escape {
     pub throughput: DVec3,
     /// Unit direction in which it left.
     pub direction: DVec3,
-    /// Number of surfaces met on the way.
-    pub bounces: u32,
 }
 
-/// How surfaces reflect.
+/// What a path brings back.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Found {
+    /// Light of emitters that each surface on the way was looked at with, less what surfaces took of it.
+    pub near: DVec3,
+    /// Where it left; `None` when it ended on a surface or an emitter.
+    pub escape: Option<Escape>,
+}
+
+/// What paths run through, and how far.
 #[derive(Clone, Copy)]
-pub enum Reflection<'a> {
-    /// All are diffuse. Kept apart from [`super::diffuse_surfaces`] since it needs fewer random numbers.
-    Diffuse,
-    /// As they are given.
-    Of(&'a Surfaces<'a>),
+pub struct Paths<'a> {
+    pub caster: &'a Caster<'a>,
+    pub reflection: Reflection<'a>,
+    pub lamps: Option<&'a Lamps<'a>>,
+    /// The most interreflections.
+    pub bounces: u32,
+    /// Light of fewer interreflections counts as black.
+    pub least_bounces: u32,
 }
 
-/// Follows a path of at most `bounces` interreflections; `None` when it ends on a surface.
-pub fn follow(
-    caster: &Caster<'_>,
-    reflection: Reflection<'_>,
-    mut origin: Vec3,
-    mut direction: DVec3,
-    bounces: u32,
-    rng: &mut Pcg32,
-) -> Option<Escape> {
-    let mut throughput = DVec3::ONE;
-    for met in 0..=bounces {
-        let Some(hit) = caster.first_hit(origin, direction.as_vec3()) else {
-            return Some(Escape {
-                throughput,
-                direction,
-                bounces: met,
-            });
+impl Paths<'_> {
+    /// A path that starts at a patch. `at` is a place in the unit square for its first direction, and for the point of a lamp that is looked for first.
+    pub fn trace(&self, start: &Patch, at: [f64; 2], rng: &mut Pcg32) -> Found {
+        let direct = match self.least_bounces {
+            0 => self.gather(start, Some(at), rng),
+            _ => DVec3::ZERO,
         };
-        if met == bounces {
-            break;
-        }
-        (throughput, direction) = reflection.scatter(caster, &hit, direction, throughput, rng)?;
-        origin = caster.leave(&hit, direction);
-    }
-    None
-}
-
-impl Reflection<'_> {
-    /// The unit normal that a surface reflects about: diffuse ones know no normal maps, as diffuse transfer does not.
-    pub fn normal(self, caster: &Caster<'_>, hit: &Hit) -> Option<DVec3> {
-        match self {
-            Reflection::Diffuse => caster.shading_normal(hit),
-            Reflection::Of(_) => {
-                let point = caster.world.shading_point(hit.triangle, hit.weights);
-                Some(point.normal.as_dvec3())
+        let mut found = Found::default();
+        if let Some((weight, toward)) = start.lobe.scatter(Some(at), rng) {
+            let origin = start.leave(self.caster, toward);
+            found = self.follow(origin, toward, rng);
+            found.near *= weight;
+            if let Some(escape) = &mut found.escape {
+                escape.throughput *= weight;
             }
         }
+        found.near += direct;
+        found
     }
 
-    /// The throughput and direction of a path after a hit; `None` where it ends.
-    fn scatter(
-        self,
-        caster: &Caster<'_>,
-        hit: &Hit,
-        direction: DVec3,
-        throughput: DVec3,
-        rng: &mut Pcg32,
-    ) -> Option<(DVec3, DVec3)> {
-        let side = reflecting_side(caster, hit, direction)?;
-        let normal = self.normal(caster, hit)? * side;
-        match self {
-            // Directions are cosine-distributed, so each hit multiplies by its albedo alone.
-            Reflection::Diffuse => {
-                let surface = caster.world.surface(hit.triangle, hit.weights);
-                let throughput = throughput * surface.albedo.as_dvec3();
-                (throughput != DVec3::ZERO).then(|| {
-                    let toward = cosine_direction(normal, rng.next_unit(), rng.next_unit());
-                    (throughput, toward)
-                })
+    fn follow(&self, mut origin: Vec3, mut direction: DVec3, rng: &mut Pcg32) -> Found {
+        let mut found = Found::default();
+        let mut throughput = DVec3::ONE;
+        for met in 0..=self.bounces {
+            let hit = self.caster.first_hit(origin, direction.as_vec3());
+            let free = hit.map_or(f32::INFINITY, |hit| hit.distance);
+            // Emitters are black bodies, and what shines of them was found by looking for it.
+            if self.meets_lamp(origin, direction, free) {
+                break;
             }
-            Reflection::Of(surfaces) => {
-                let frame = Frame::about(normal);
-                let brdf = surfaces(hit.triangle, hit.weights);
-                let u = std::array::from_fn(|_| rng.next_unit());
-                let outgoing = seen_from_above(frame.local_from_world(-direction));
-                let (weight, incident) = reflect(&brdf, outgoing, u)?;
-                Some((throughput * weight, frame.world_from_local(incident)))
+            let Some(hit) = hit else {
+                found.escape = (met >= self.least_bounces).then_some(Escape {
+                    throughput,
+                    direction,
+                });
+                break;
+            };
+            if met == self.bounces {
+                break;
             }
+            let Some(patch) = self.reflection.patch(self.caster, hit, direction) else {
+                break;
+            };
+            if patch.lobe.ends(throughput) {
+                break;
+            }
+            if met + 1 >= self.least_bounces {
+                found.near += throughput * self.gather(&patch, None, rng);
+            }
+            let Some((weight, toward)) = patch.lobe.scatter(None, rng) else {
+                break;
+            };
+            throughput *= weight;
+            direction = toward;
+            origin = patch.leave(self.caster, toward);
         }
+        found
     }
-}
 
-/// 1 where a ray of `direction` meets the front, −1 the back; `None` for the back of a single-sided surface. The vertices' normals decide,
-/// whatever a normal map says.
-fn reflecting_side(caster: &Caster<'_>, hit: &Hit, direction: DVec3) -> Option<f64> {
-    if caster.shading_normal(hit)?.dot(direction) < 0.0 {
-        Some(1.0)
-    } else {
-        let both = caster.world.material(hit.triangle).double_sided;
-        both.then_some(-1.0)
+    fn meets_lamp(&self, origin: Vec3, direction: DVec3, until: f32) -> bool {
+        let nearest = |lamps: &Lamps<'_>| lamps.nearest(origin, direction, until, None);
+        self.lamps.and_then(nearest).is_some()
     }
-}
 
-/// The cosine-distributed direction about the unit vector `normal` for a point of the unit square: density cosθ/π.
-pub fn cosine_direction(normal: DVec3, u: f64, v: f64) -> DVec3 {
-    let local = cosine_sample(u, v);
-    let (tangent, bitangent) = normal.any_orthonormal_pair();
-    tangent * local.x + bitangent * local.y + normal * local.z
+    /// What a patch makes of the light of one random point of the emitters.
+    fn gather(&self, patch: &Patch, at: Option<[f64; 2]>, rng: &mut Pcg32) -> DVec3 {
+        let Some(lamps) = self.lamps.filter(|lamps| !lamps.are_dark()) else {
+            return DVec3::ZERO;
+        };
+        let at = at.unwrap_or_else(|| [rng.next_unit(), rng.next_unit()]);
+        let from = patch.position(self.caster);
+        let Some(glimpse) = lamps.look(from, at) else {
+            return DVec3::ZERO;
+        };
+        let Some(toward) = (glimpse.point - from).try_normalize() else {
+            return DVec3::ZERO;
+        };
+        let light = patch.lobe.value(toward) * glimpse.radiance;
+        if light == DVec3::ZERO {
+            return light;
+        }
+        // From where a path would leave, which is not quite where the patch is.
+        let origin = patch.leave(self.caster, toward);
+        let way = glimpse.point - origin.as_dvec3();
+        let Some(toward) = way.try_normalize() else {
+            return light;
+        };
+        let until = (way.length() * (1.0 - TOUCHING)) as f32;
+        let hidden = self.caster.is_blocked(origin, toward.as_vec3(), until)
+            || lamps
+                .nearest(origin, toward, until, Some(glimpse.lamp))
+                .is_some();
+        if hidden { DVec3::ZERO } else { light }
+    }
 }

@@ -3,11 +3,13 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::estimate::Light;
 use super::intersect::{Caster, Hit};
-use super::path::{Reflection, cosine_direction, follow};
+use super::lamps::Lamps;
+use super::patch::{Patch, Place, Reflection};
+use super::path::Paths;
 use super::rng::{Pcg32, mix};
-use super::surfaces::{Frame, Surfaces, reflect, seen_from_above};
+use super::sources::{Light, Sources};
+use super::surfaces::Surfaces;
 use crate::display::{Camera, CameraError, Picture, PixelRays};
 use crate::scene::World;
 
@@ -26,23 +28,23 @@ pub struct RenderOptions {
     pub seed: u64,
 }
 
-/// The picture a camera takes of `world` under `light`, one path per sample (box filter over the pixel).
+/// The picture a camera takes of `world` under `sources`, one path per sample (box filter over the pixel).
 ///
-/// Rays that leave the scene without meeting a surface see `background`, which may differ from `light` (a sharp sky behind a scene in
-/// its band-limited light). As in [`crate::display::render`], the side a *camera* ray sees is that of the triangle's plane, so that
+/// Rays that leave the scene without meeting a surface or an emitter see `background`, which may differ from the distant light (a sharp sky behind
+/// a scene in its band-limited light). Emitters are seen as they shine, those that only block as black. As in [`crate::display::render`], the side a *camera* ray sees is that of the triangle's plane, so that
 /// silhouettes have no black rim where the shading normal turns away; the light is gathered about the shading normal.
 ///
 /// # Errors
 /// [`CameraError`] when the camera looks nowhere.
 pub fn render(
     world: &World,
-    light: &Light<'_>,
+    sources: &Sources<'_>,
     background: &Light<'_>,
     camera: &Camera,
     options: &RenderOptions,
 ) -> Result<Picture, CameraError> {
     let diffuse = Reflection::Diffuse;
-    picture(world, diffuse, light, background, camera, options)
+    picture(world, diffuse, sources, background, camera, options)
 }
 
 /// As [`render`], of surfaces that need not be diffuse.
@@ -55,31 +57,35 @@ pub fn render(
 pub fn render_surfaces(
     world: &World,
     surfaces: &Surfaces<'_>,
-    light: &Light<'_>,
+    sources: &Sources<'_>,
     background: &Light<'_>,
     camera: &Camera,
     options: &RenderOptions,
 ) -> Result<Picture, CameraError> {
     let reflection = Reflection::Of(surfaces);
-    picture(world, reflection, light, background, camera, options)
+    picture(world, reflection, sources, background, camera, options)
 }
 
 fn picture(
     world: &World,
     reflection: Reflection<'_>,
-    light: &Light<'_>,
+    sources: &Sources<'_>,
     background: &Light<'_>,
     camera: &Camera,
     options: &RenderOptions,
 ) -> Result<Picture, CameraError> {
     let rays = camera.pixel_rays(options.width, options.height)?;
-    let caster = Caster::new(world);
+    let lamps = sources.emitters.map(Lamps::new);
     let scene = Lit {
-        caster: &caster,
-        reflection,
-        light,
+        paths: Paths {
+            caster: &Caster::new(world),
+            reflection,
+            lamps: lamps.as_ref(),
+            bounces: options.bounces,
+            least_bounces: 0,
+        },
+        light: sources.distant,
         background,
-        bounces: options.bounces,
     };
     let samples = options.samples_per_pixel.max(1);
     let pixel = |x: u32, y: u32| {
@@ -103,74 +109,52 @@ fn picture(
 }
 
 struct Lit<'a> {
-    caster: &'a Caster<'a>,
-    reflection: Reflection<'a>,
+    paths: Paths<'a>,
     light: &'a Light<'a>,
     background: &'a Light<'a>,
-    bounces: u32,
 }
 
 impl Lit<'_> {
     /// Radiance along one path through pixel (`x`, `y`); `at` places it in the pixel and over the hemisphere of the surface seen.
     fn sample(&self, rays: &PixelRays, x: u32, y: u32, at: [f64; 4], rng: &mut Pcg32) -> DVec3 {
-        let world = self.caster.world;
         let direction = rays.direction(f64::from(x) + at[0], f64::from(y) + at[1]);
-        let Some(hit) = self.caster.first_hit(rays.eye(), direction.as_vec3()) else {
+        let hit = self.paths.caster.first_hit(rays.eye(), direction.as_vec3());
+        let free = hit.map_or(f32::INFINITY, |hit| hit.distance);
+        if let Some(lamps) = self.paths.lamps
+            && let Some(met) = lamps.nearest(rays.eye(), direction, free, None)
+        {
+            return lamps.radiance(met, rays.eye(), direction);
+        }
+        let Some(hit) = hit else {
             return DVec3::from((self.background)(direction));
         };
-        let [a, b, c] = world.corners(hit.triangle);
-        let from_front = (b - a).cross(c - a).as_dvec3().dot(direction) < 0.0;
-        let shown = from_front || world.material(hit.triangle).double_sided;
-        let normal = self.reflection.normal(self.caster, &hit);
-        let Some(normal) = normal.filter(|_| shown) else {
+        let Some(patch) = self.seen(hit, direction) else {
             return DVec3::ZERO;
         };
-        let normal = if from_front { normal } else { -normal };
-        let place = [at[2], at[3]];
-        let first = self.first_reflection(&hit, normal, direction, place, rng);
-        let Some((weight, toward)) = first else {
-            return DVec3::ZERO;
-        };
-        let origin = self.caster.leave(&hit, toward);
-        match follow(
-            self.caster,
-            self.reflection,
-            origin,
-            toward,
-            self.bounces,
-            rng,
-        ) {
-            Some(escape) => {
-                weight * escape.throughput * DVec3::from((self.light)(escape.direction))
-            }
-            None => DVec3::ZERO,
-        }
+        let found = self.paths.trace(&patch, [at[2], at[3]], rng);
+        let distant = found.escape.map_or(DVec3::ZERO, |escape| {
+            escape.throughput * DVec3::from((self.light)(escape.direction))
+        });
+        distant + found.near
     }
 
-    /// What the surface seen leaves of light, and the direction that it is taken from.
-    fn first_reflection(
-        &self,
-        hit: &Hit,
-        normal: DVec3,
-        direction: DVec3,
-        at: [f64; 2],
-        rng: &mut Pcg32,
-    ) -> Option<(DVec3, DVec3)> {
-        match self.reflection {
-            Reflection::Diffuse => {
-                let surface = self.caster.world.surface(hit.triangle, hit.weights);
-                let toward = cosine_direction(normal, at[0], at[1]);
-                Some((surface.albedo.as_dvec3(), toward))
-            }
-            Reflection::Of(surfaces) => {
-                let frame = Frame::about(normal);
-                let outgoing = seen_from_above(frame.local_from_world(-direction));
-                let brdf = surfaces(hit.triangle, hit.weights);
-                let u = [rng.next_unit(), at[0], at[1]];
-                let (weight, incident) = reflect(&brdf, outgoing, u)?;
-                Some((weight, frame.world_from_local(incident)))
-            }
+    /// What a camera sees at a hit; `None` where that is black.
+    fn seen(&self, hit: Hit, direction: DVec3) -> Option<Patch> {
+        let Paths {
+            caster, reflection, ..
+        } = self.paths;
+        let world = caster.world;
+        let [a, b, c] = world.corners(hit.triangle);
+        let from_front = (b - a).cross(c - a).as_dvec3().dot(direction) < 0.0;
+        if !from_front && !world.material(hit.triangle).double_sided {
+            return None;
         }
+        let normal = reflection.normal(caster, &hit)?;
+        let normal = if from_front { normal } else { -normal };
+        Some(Patch {
+            lobe: reflection.lobe(caster, &hit, normal, direction),
+            place: Place::On(hit),
+        })
     }
 }
 

@@ -75,7 +75,12 @@ fn a_bowl_reflects_the_geometric_series() {
     let mut expected = 0.0;
     for bounces in 0..=4_u32 {
         expected += (1.0 - fraction) * (albedo * fraction).powi(bounces as i32);
-        let estimates = estimate(&world, &receivers, &one, &options(bounces, 16_384));
+        let estimates = estimate(
+            &world,
+            &receivers,
+            &Sources::distant(&one),
+            &options(bounces, 16_384),
+        );
         let mesh_error = f64::from(bounces + 1) * h * h * expected;
         for Estimate {
             mean,
@@ -105,7 +110,7 @@ fn bounces_alone_are_all_light_without_the_direct() {
             least_bounces,
             ..options(bounces, 4096)
         };
-        estimate(&world, &receivers, &one, &chosen)
+        estimate(&world, &receivers, &Sources::distant(&one), &chosen)
     };
     let (all, direct, rest) = (means(2, 0), means(0, 0), means(2, 1));
     for i in 0..receivers.len() {
@@ -133,7 +138,12 @@ fn a_ball_shadows_the_floor_below_by_its_form_factor() {
             origin: Vec3::new(x as f32, 1e-4, 0.0),
             normal: Vec3::Y,
         };
-        let estimates = estimate(&world, &[receiver], &one, &options(0, 1 << 18));
+        let estimates = estimate(
+            &world,
+            &[receiver],
+            &Sources::distant(&one),
+            &options(0, 1 << 18),
+        );
         let distance = x.hypot(height);
         let blocked = |r: f64| (height / distance) * (r / distance).powi(2);
         let (low, high) = (1.0 - blocked(radius), 1.0 - blocked(inscribed));
@@ -156,7 +166,12 @@ fn a_ball_shadows_the_floor_below_by_its_form_factor() {
 fn no_light_gets_into_a_closed_room_and_none_is_lost_over_the_limit() {
     let world = World::new(&bundled::room(3, 1.0));
     let receivers = receivers_at(&world, &some_vertices(&world, 12));
-    for estimate in estimate(&world, &receivers, &one, &options(8, 4096)) {
+    for estimate in estimate(
+        &world,
+        &receivers,
+        &Sources::distant(&one),
+        &options(8, 4096),
+    ) {
         assert_eq!(estimate.mean, [0.0; 3]);
     }
 }
@@ -167,7 +182,12 @@ fn a_white_furnace_never_exceeds_its_light_and_fills_up_with_bounces() {
     let receivers = receivers_at(&world, &some_vertices(&world, 4));
     let mut before = 0.0;
     for bounces in [0, 1, 4, 16, 64] {
-        let estimates = estimate(&world, &receivers, &one, &options(bounces, 2048));
+        let estimates = estimate(
+            &world,
+            &receivers,
+            &Sources::distant(&one),
+            &options(bounces, 2048),
+        );
         let mean = estimates.iter().map(|e| e.mean[2]).sum::<f64>() / 4.0;
         assert!(estimates.iter().all(|e| e.mean[2] <= 1.0));
         assert!(mean > before, "{bounces} bounces: {mean} after {before}");
@@ -184,7 +204,12 @@ fn transfer_dotted_with_light_is_the_estimate_under_that_light() {
     // Some light with every degree, different by channel, negative in places.
     let coefficients = (0..16).map(|i| [1.0 / (1 + i) as f32, (i as f32 * 1.7) % 1.0 - 0.4, 0.3]);
     let light = ShLight::new(order(4), coefficients.collect());
-    let direct = estimate(&world, &receivers, &sh_radiance(&light), &options(1, 2048));
+    let direct = estimate(
+        &world,
+        &receivers,
+        &Sources::distant(&sh_radiance(&light)),
+        &options(1, 2048),
+    );
     let transfers = estimate_transfer(&world, &receivers, order(4), &options(1, 2048));
     for (estimate, transfer) in direct.iter().zip(&transfers) {
         for channel in 0..3 {
@@ -208,7 +233,13 @@ fn under_a_ceiling(change: impl FnOnce(&mut Scene)) -> f64 {
     };
     // Light from below only, so that all that arrives has been reflected by the ceiling, which faces up.
     let below = |d: DVec3| if d.y < 0.0 { [1.0; 3] } else { [0.0; 3] };
-    estimate(&world, &[receiver], &below, &options(1, 4096))[0].mean[0]
+    estimate(
+        &world,
+        &[receiver],
+        &Sources::distant(&below),
+        &options(1, 4096),
+    )[0]
+    .mean[0]
 }
 
 #[test]
@@ -230,7 +261,13 @@ fn an_empty_world_and_one_triangle_are_fine() {
     let lone = |world: &World, origin| {
         let normal = Vec3::Y;
         let receiver = Receiver { origin, normal };
-        estimate(world, &[receiver], &one, &options(2, 256))[0].mean[0]
+        estimate(
+            world,
+            &[receiver],
+            &Sources::distant(&one),
+            &options(2, 256),
+        )[0]
+        .mean[0]
     };
     assert_eq!(lone(&World::default(), Vec3::ZERO), 1.0);
     let mut scene = bundled::plane_under_sphere(1e-3, 50.0, 100.0, 8, 1.0);
@@ -255,7 +292,7 @@ fn a_path_traced_picture_of_a_ball_in_white_light_is_its_albedo() {
         bounces: 1,
         seed: 3,
     };
-    let picture = render(&world, &one, &sky, &camera, &options).unwrap();
+    let picture = render(&world, &Sources::distant(&one), &sky, &camera, &options).unwrap();
     // Convex under constant light: every path leaves at once, so there is no noise at all; corners see past the ball.
     assert!((picture.pixel(4, 4)[0] - 0.5).abs() < 1e-6);
     assert_eq!(picture.pixel(0, 0), [0.25; 3]);

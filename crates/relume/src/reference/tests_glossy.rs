@@ -94,8 +94,8 @@ fn lambert_surfaces_agree_with_the_diffuse_estimator() {
     let light = |d: DVec3| [1.0 + d.x, 1.0 + d.y, 2.0];
     for bounces in [0, 2] {
         let chosen = options(bounces, 16_384);
-        let ours = estimate_outgoing(&world, &surfaces, &seen, &light, &chosen);
-        let diffuse = estimate(&world, &receivers, &light, &chosen);
+        let ours = estimate_outgoing(&world, &surfaces, &seen, &Sources::distant(&light), &chosen);
+        let diffuse = estimate(&world, &receivers, &Sources::distant(&light), &chosen);
         for (ours, diffuse) in ours.iter().zip(&diffuse) {
             for c in 0..3 {
                 let (mean, expected) = (ours.mean[c], 0.6 * diffuse.mean[c]);
@@ -124,7 +124,13 @@ fn under_constant_light_a_plane_shows_its_directional_albedo() {
             let local = surfaces::Frame::about(DVec3::Y).local_from_world(seen.toward_eye);
             let expected = brdf.albedo(local);
             let surfaces = |_: u32, _: [f32; 3]| brdf.clone();
-            let found = estimate_outgoing(&world, &surfaces, &[seen], &one, &options(3, 16_384))[0];
+            let found = estimate_outgoing(
+                &world,
+                &surfaces,
+                &[seen],
+                &Sources::distant(&one),
+                &options(3, 16_384),
+            )[0];
             for c in 0..3 {
                 let (mean, error) = (found.mean[c], found.standard_error[c]);
                 // The quadrature is good to 10⁻⁴.
@@ -157,13 +163,25 @@ fn a_smooth_metal_shows_what_is_in_the_mirror_direction() {
     let light = |d: DVec3| [if d.x > 0.0 { 3.0 } else { 0.0 }; 3];
     let surfaces = |_: u32, _: [f32; 3]| mirror();
     let seen = [-1.0, 1.0].map(|x| centre(&world, 9, DVec3::new(x, 0.8, 0.3)));
-    let found = estimate_outgoing(&world, &surfaces, &seen, &light, &options(0, 4096));
+    let found = estimate_outgoing(
+        &world,
+        &surfaces,
+        &seen,
+        &Sources::distant(&light),
+        &options(0, 4096),
+    );
     // The lobe has a width of 0.005, but tails: of order (0.005/0.6)² is on the wrong side, and as much is lost to shadowing.
     assert!((found[0].mean[0] - 3.0).abs() < 3e-3, "{:?}", found[0]);
     assert!(found[1].mean[0] < 3e-3, "{:?}", found[1]);
     // From below there is nothing to see.
     let below = centre(&world, 9, DVec3::new(1.0, -0.5, 0.0));
-    let found = estimate_outgoing(&world, &surfaces, &[below], &light, &options(0, 64));
+    let found = estimate_outgoing(
+        &world,
+        &surfaces,
+        &[below],
+        &Sources::distant(&light),
+        &options(0, 64),
+    );
     assert_eq!(found[0].mean, [0.0; 3]);
 }
 
@@ -187,8 +205,15 @@ fn a_diffuse_point_over_a_mirror_sees_the_sky_in_it() {
         }),
         _ => mirror(),
     };
-    let seen =
-        |bounces| estimate_outgoing(&world, &surfaces, &[down], &sky, &options(bounces, 16_384))[0];
+    let seen = |bounces| {
+        estimate_outgoing(
+            &world,
+            &surfaces,
+            &[down],
+            &Sources::distant(&sky),
+            &options(bounces, 16_384),
+        )[0]
+    };
     assert_eq!(seen(0).mean[0], 0.0);
     // 0.5/π ∫ cosθ · cosθ dω over the hemisphere below = 0.5 · 2/3. The floor's edge hides 1/2500 of it, and the mirror loses a
     // thousandth where it grazes.
@@ -233,7 +258,13 @@ fn bounces_add_light_but_never_more_than_there_is() {
             .collect();
         let mut before = vec![0.0; seen.len()];
         for bounces in [0, 1, 4, 32] {
-            let found = estimate_outgoing(&world, &surfaces, &seen, &one, &options(bounces, 8192));
+            let found = estimate_outgoing(
+                &world,
+                &surfaces,
+                &seen,
+                &Sources::distant(&one),
+                &options(bounces, 8192),
+            );
             for (estimate, before) in found.iter().zip(&mut before) {
                 let (mean, error) = (estimate.mean[0], estimate.standard_error[0]);
                 assert!(mean <= 1.0 + Z * error, "{bounces}: {mean} ± {error}");
@@ -251,7 +282,13 @@ fn no_light_gets_into_a_closed_room_of_metal() {
     let world = World::new(&bundled::room(3, 1.0));
     let seen = centre(&world, 4, -world.corners(4)[0].as_dvec3());
     let surfaces = |_: u32, _: [f32; 3]| mirror();
-    let found = estimate_outgoing(&world, &surfaces, &[seen], &one, &options(8, 2048));
+    let found = estimate_outgoing(
+        &world,
+        &surfaces,
+        &[seen],
+        &Sources::distant(&one),
+        &options(8, 2048),
+    );
     assert_eq!(found[0].mean, [0.0; 3]);
 }
 
@@ -268,7 +305,15 @@ fn a_picture_of_surfaces_is_that_of_their_albedo() {
         seed: 3,
     };
     let picture = |surfaces: &Surfaces<'_>| {
-        render_surfaces(&world, surfaces, &one, &sky, &camera, &chosen).unwrap()
+        render_surfaces(
+            &world,
+            surfaces,
+            &Sources::distant(&one),
+            &sky,
+            &camera,
+            &chosen,
+        )
+        .unwrap()
     };
     // Convex under constant light: without a glossy lobe there is no noise at all.
     let diffuse = picture(&diffuse_surfaces(&world));

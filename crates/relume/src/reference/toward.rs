@@ -2,11 +2,10 @@
 
 use glam::DVec3;
 
-use super::compare::{
-    CompareOptions, Comparison, VertexError, choose, replicates_of, summarise, what_is_counted,
-};
+use super::compare::{CompareOptions, Comparison, choose, judge, replicates_of, what_is_counted};
 use super::estimate::{Receiver, receivers_at, sh_radiance};
 use super::outgoing::{Seen, estimate_outgoing};
+use super::sources::Sources;
 use super::surfaces::material_surfaces;
 use crate::asset::{Transfer, TransferKind};
 use crate::brdf::Anisotropic;
@@ -36,7 +35,7 @@ pub fn compare_toward(
     };
     let outgoing = Outgoing::new(world, transferred.order)?;
     let sides = Sides::new(world, transfer, eye);
-    let (chosen, invalid) = choose(world, transfer, options, |v| sides.seen(v).is_some());
+    let (chosen, invalid) = choose(world, &transfer.valid, options, |v| sides.seen(v).is_some());
     if chosen.is_empty() {
         return Ok(None);
     }
@@ -49,23 +48,16 @@ pub fn compare_toward(
     };
     let options_of_paths = replicates_of(options, bounces);
     let light = sh_radiance(&light);
-    let estimates = estimate_outgoing(occluders, &surfaces, &seen, &light, &options_of_paths);
-    let pairs = chosen.iter().zip(&estimates);
-    let errors: Vec<VertexError> = pairs
-        .map(|(&vertex, reference)| VertexError {
-            vertex,
-            position: world.positions[vertex],
-            ours: ours[vertex].map(f64::from),
-            reference: reference.mean,
-            standard_error: reference.standard_error,
-        })
-        .collect();
-    Ok(Some(Comparison {
+    let sources = Sources::distant(&light);
+    let reference = estimate_outgoing(occluders, &surfaces, &seen, &sources, &options_of_paths);
+    let ours = |vertex: usize| ours[vertex].map(f64::from);
+    let found = judge(world, &chosen, ours, &reference, options);
+    Ok(found.map(|found| Comparison {
         invalid,
         bounces,
         unshadowed: transfer.kind == TransferKind::Unshadowed,
         eye: Some(eye),
-        ..summarise(&errors, options)
+        ..found
     }))
 }
 

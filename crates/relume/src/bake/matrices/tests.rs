@@ -7,7 +7,9 @@ use crate::bake::{BakeOptions, Monitor, bake};
 use crate::basis::Order;
 use crate::brdf::{Brdf, Phong, Reflection};
 use crate::light::{IncidentLight, ShLight};
-use crate::reference::{EstimateOptions, Seen, estimate_outgoing, receivers_at, sh_radiance};
+use crate::reference::{
+    EstimateOptions, Seen, Sources, estimate_outgoing, receivers_at, sh_radiance,
+};
 use crate::scene::{World, bundled};
 use crate::shade::{Outgoing, TransferredRadiance};
 
@@ -160,7 +162,8 @@ fn against_paths(world: &World, options: &BakeOptions, vertices: &[usize]) -> (f
         paths: 16_384,
         ..EstimateOptions::default()
     };
-    let exact = estimate_outgoing(world, &surfaces, &seen, &sh_radiance(&light), &paths);
+    let light = sh_radiance(&light);
+    let exact = estimate_outgoing(world, &surfaces, &seen, &Sources::distant(&light), &paths);
     let (mut off, mut noise, mut all) = (0.0, 0.0, 0.0);
     for (&vertex, exact) in vertices.iter().zip(&exact) {
         for (c, ours) in ours[vertex].into_iter().enumerate() {

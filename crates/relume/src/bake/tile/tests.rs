@@ -8,7 +8,7 @@ use crate::brdf::tile::TilePlace;
 use crate::brdf::{Finish, Reflection, Reflector, Scratch};
 use crate::display::Camera;
 use crate::light::ShLight;
-use crate::reference::{RenderOptions, material_surfaces, render_surfaces, sh_radiance};
+use crate::reference::{RenderOptions, Sources, material_surfaces, render_surfaces, sh_radiance};
 use crate::scene::{Group, Instance, Material, Mesh};
 
 const N: usize = 4;
@@ -218,7 +218,14 @@ fn traced(world: &World, target: Vec3, view: DVec3, seed: u64) -> DVec3 {
     };
     let (surfaces, sky) = (material_surfaces(world).unwrap(), sh_radiance(&light()));
     let dark = |_: DVec3| [0.0; 3];
-    let picture = render_surfaces(world, &surfaces, &sky, &dark, &camera, &options);
+    let picture = render_surfaces(
+        world,
+        &surfaces,
+        &Sources::distant(&sky),
+        &dark,
+        &camera,
+        &options,
+    );
     Vec3::from(picture.unwrap().pixel(0, 0)).as_dvec3()
 }
 

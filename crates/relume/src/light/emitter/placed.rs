@@ -197,18 +197,26 @@ impl Placed {
         if !(0..corners.len()).all(inside) {
             return None;
         }
-        let seen = if cosine < 0.0 || polygon.two_sided {
-            let cosine = (cosine / direction.length()).abs();
-            let falloff = cosine.powi(polygon.exponent as i32) as f32;
-            self.radiance_at(polygon, point).map(|x| x * falloff)
-        } else {
-            [0.0; 3]
-        };
         Some(EmitterHit {
             distance,
             back: cosine > 0.0 && !polygon.two_sided,
-            radiance: seen,
+            radiance: self.radiance_toward(polygon, point, -direction / direction.length()),
         })
+    }
+
+    /// Radiance from a point of a polygon in the unit direction `toward`: black from its back, unless that shines, too.
+    pub fn radiance_toward(
+        &self,
+        polygon: &PlacedPolygon,
+        point: DVec3,
+        toward: DVec3,
+    ) -> [f32; 3] {
+        let cosine = polygon.normal.dot(toward);
+        if cosine <= 0.0 && !polygon.two_sided {
+            return [0.0; 3];
+        }
+        let falloff = cosine.abs().powi(polygon.exponent as i32) as f32;
+        self.radiance_at(polygon, point).map(|x| x * falloff)
     }
 
     /// Radiance of the pattern at a point of a polygon.
@@ -228,6 +236,13 @@ impl Placed {
                 radiance(&self.sources[polygon.emitter], corners, weights)
             }
         }
+    }
+}
+
+impl PlacedPolygon {
+    /// Whether it only blocks. What has a pattern is never said to.
+    pub fn is_black(&self) -> bool {
+        matches!(self.shine, Shine::Uniform(radiance) if radiance == [0.0; 3])
     }
 }
 
