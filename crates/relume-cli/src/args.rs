@@ -1,6 +1,7 @@
 //! Every flag of the program, once.
 
 mod brdf;
+mod light;
 mod parse;
 mod tile;
 
@@ -9,9 +10,9 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use relume::bake::Engine;
 use relume::basis::Order;
-use relume::light::{EnvSpec, LayoutChoice, Turn, WindowChoice};
 
 pub use brdf::BrdfArgs;
+pub use light::{LightArgs, LightChange, LightFileArgs};
 pub use parse::{Exposure, MaxEdge, Samples};
 pub use tile::TileArgs;
 
@@ -154,56 +155,13 @@ pub enum PrecisionArg {
     F16,
 }
 
-/// A light and what to do to it
-#[derive(Args)]
-pub struct LightArgs {
-    /// The light: an image (.hdr, .exr, .dds, .pfm, …), six faces 'sky_{px,nx,py,ny,pz,nz}.hdr', a light.json, constant:R,G,B, sun:X,Y,Z,DEG,R,G,B or sky:ELEVATION,TURBIDITY
-    #[arg(long = "light", value_name = "ENV")]
-    pub env: EnvSpec,
-    #[command(flatten)]
-    pub change: LightChange,
-}
-
-#[derive(Args)]
-pub struct LightChange {
-    /// How an image is wrapped around the scene: auto, latlong, angular, vcross, hcross, faces
-    #[arg(long, value_name = "LAYOUT", default_value = "auto")]
-    pub layout: LayoutChoice,
-    /// Turn the light about an axis, right-handed; can be given several times
-    #[arg(long, value_name = "X,Y,Z:DEG", allow_hyphen_values = true)]
-    pub rotate: Vec<Turn>,
-    /// Against ringing: none, hann (cutoff at the order), auto (the least blur that keeps the light positive)
-    #[arg(long, value_name = "none|hann|auto", default_value = "none")]
-    pub window: WindowChoice,
-}
-
-/// Project a light onto spherical harmonics
-#[derive(Args)]
-#[command(after_help = "\
-Examples:
-  relume light studio.hdr -o light.json
-  relume light cross.hdr -o light.json --layout vcross --order 7 --window auto
-  relume light 'cube_{px,nx,py,ny,pz,nz}.exr' -o light.json      quoted, or the shell takes it apart
-  relume light sky:25,3 -o light.json --rotate 0,1,0:90")]
-pub struct LightFileArgs {
-    /// The light: an image, six faces 'sky_{px,nx,py,ny,pz,nz}.hdr', a light.json, constant:R,G,B, sun:X,Y,Z,DEG,R,G,B or sky:ELEVATION,TURBIDITY
-    pub env: EnvSpec,
-    /// The light.json to write
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
-    /// Order of the projection, 1…32
-    #[arg(long, value_name = "N", default_value = "5", value_parser = parse::order)]
-    pub order: Order,
-    #[command(flatten)]
-    pub change: LightChange,
-}
-
 /// Radiance at every vertex of a baked asset, for numpy
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   relume shade baked.glb --light studio.hdr -o radiance.npz
-  relume shade glossy.glb --light studio.hdr --eye 2,1,3 -o radiance.npz")]
+  relume shade glossy.glb --light studio.hdr --eye 2,1,3 -o radiance.npz
+  relume shade baked.glb --emitters lamps.json --bounces 2 -o radiance.npz")]
 pub struct ShadeArgs {
     /// A baked asset
     pub asset: PathBuf,
@@ -223,7 +181,8 @@ pub struct ShadeArgs {
 Examples:
   relume render baked.glb --light studio.hdr -o look.png
   relume render baked.glb --light studio.hdr -o look.exr --eye 2,1,3 --target 0,0.5,0 --fov 40
-  relume render baked.glb --light sky:20,4 -o turn_%04d.png --frames 60 --sweep camera")]
+  relume render baked.glb --light sky:20,4 -o turn_%04d.png --frames 60 --sweep camera
+  relume render baked.glb --emitters lamps.json --light sky:5,4 -o dusk.png   lamps that stand near, and the sky")]
 pub struct RenderArgs {
     /// A baked asset
     pub asset: PathBuf,
@@ -284,9 +243,10 @@ Example:
   relume compare baked.glb --light studio.hdr --vertices 400
   relume compare baked.glb --light sky:30,3 --picture error.png
   relume compare glossy.glb --light sky:30,3 --eye 2,1,3       radiance toward an eye
+  relume compare baked.glb --emitters lamps.json --bounces 2   near lights, which paths meet as they are
 
 The picture shows ours | path traced | the difference, with its scale. Both sides get the light at the asset's order, so that what is measured is the error of the bake: sampling, and interpolation between
-vertices where light bounces.")]
+vertices where light bounces. Of emitters, what the order leaves out is measured too.")]
 pub struct CompareArgs {
     /// A baked asset
     pub asset: PathBuf,

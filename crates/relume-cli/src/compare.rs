@@ -5,17 +5,18 @@ mod picture;
 
 use std::path::PathBuf;
 
-use relume::asset::Transfer;
+use relume::asset::{Asset, TransferKind};
 use relume::brdf::Reflection;
 use relume::display::Camera;
 use relume::files::printable;
-use relume::light::ShLight;
-use relume::reference::{self, CompareOptions, Comparison};
+use relume::reference::{self, CompareOptions, Comparison, Sources};
 use relume::scene::{Material, World};
 
 use crate::args::CompareArgs;
 use crate::failure::Failure;
 use crate::inputs::{self, check_extension, check_output, shown};
+use crate::lights::{self, Lights};
+use crate::view::Lit;
 use crate::{json, progress};
 
 pub use picture::ErrorPicture;
@@ -24,7 +25,7 @@ use picture::Shot;
 pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     if let Some(path) = &args.picture {
         check_extension(path, &["png"])?;
-        let files = args.light.env.paths();
+        let files = lights::paths(&args.light);
         let mut inputs = vec![args.asset.as_path()];
         inputs.extend(files.iter().map(PathBuf::as_path));
         check_output(path, &inputs)?;
@@ -34,18 +35,38 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
         let what = "diffuse surfaces look the same from everywhere; leave --eye out";
         return Err(Failure::new(format!("{}: {what}", shown(&args.asset))));
     }
-    let environment = inputs::open_environment(&args.light.env, &args.light.change)?;
-    let light = inputs::project(&environment, asset.transfer.order, &args.light.change)?.light;
+    let lights = Lights::open(&args.light, &asset, &world)?;
+    if args
+        .light
+        .env
+        .as_ref()
+        .and_then(lights::by_vertex)
+        .is_some()
+    {
+        let what =
+            "paths cannot follow light that is known at vertices alone; compare with --emitters";
+        return Err(Failure::new(format!("{}: {what}", shown(&args.asset))));
+    }
     let camera = camera(args, &world);
+    let radiance = reference::sh_radiance(&lights.distant);
+    let sources = Sources {
+        distant: &radiance,
+        emitters: lights.placed.as_ref(),
+    };
     let spinner = progress::spinner("path tracing");
-    let comparison = compared(args, &world, &asset.transfer, &light, &camera);
+    let comparison = compared(args, &world, &asset, &lights, &sources, &camera);
     spinner.finish_and_clear();
     let comparison = comparison?;
+    let lit = Lit {
+        light: lights.incident(),
+        bounces: lights.bounces,
+    };
     let picture = args.picture.as_ref().map(|path| {
         let shot = Shot {
             world: &world,
             transfer: &asset.transfer,
-            light: &light,
+            lit: &lit,
+            sources: &sources,
             camera,
         };
         shot.write(args.seed, args.size, path)
@@ -75,8 +96,9 @@ fn camera(args: &CompareArgs, world: &World) -> Camera {
 fn compared(
     args: &CompareArgs,
     world: &World,
-    transfer: &Transfer,
-    light: &ShLight,
+    asset: &Asset,
+    lights: &Lights,
+    sources: &Sources,
     camera: &Camera,
 ) -> Result<Comparison, Failure> {
     let options = CompareOptions {
@@ -85,22 +107,39 @@ fn compared(
         seed: args.seed,
         ..CompareOptions::default()
     };
-    let asset = printable(&shown(&args.asset));
+    let name = printable(&shown(&args.asset));
+    let transfer = &asset.transfer;
+    let buried = || {
+        Failure::new(format!(
+            "{name}: every vertex is buried; nothing can be compared"
+        ))
+    };
+    if lights.placed.is_some() || lights.bounces > 0 {
+        let sides = lights.bounced(&args.asset, asset, &lights.incident())?;
+        if transfer.matrices.is_some() || transfer.kind == TransferKind::Unshadowed {
+            let what = "emitters are compared on diffuse assets with shadows; bake it without --transfer glossy and --no-shadows";
+            return Err(Failure::new(format!("{name}: {what}")));
+        }
+        let (valid, bounces) = (&transfer.valid, lights.bounces);
+        let comparison =
+            reference::compare_radiance(world, valid, &sides.front, bounces, sources, &options);
+        return comparison.ok_or_else(buried);
+    }
+    let light = &lights.distant;
     if transfer.matrices.is_none() {
         let comparison = reference::compare(world, transfer, light, &options);
-        let what = "every vertex is buried; nothing can be compared";
-        return comparison.ok_or_else(|| Failure::new(format!("{asset}: {what}")));
+        return comparison.ok_or_else(buried);
     }
     let tile = |material: &Material| matches!(material.reflection, Reflection::Tile { .. });
     if world.materials.iter().any(tile) {
         let what = "its surfaces are covered with a tile, which paths do not know; compare one baked without";
-        return Err(Failure::new(format!("{asset}: {what}")));
+        return Err(Failure::new(format!("{name}: {what}")));
     }
     let eye = camera.eye.as_dvec3();
     let comparison = reference::compare_toward(world, transfer, light, eye, &options)
-        .map_err(|error| Failure::new(format!("{asset}: {error}")))?;
+        .map_err(|error| Failure::new(format!("{name}: {error}")))?;
     let what = "no vertex but buried ones faces the eye; choose another --eye";
-    comparison.ok_or_else(|| Failure::new(format!("{asset}: {what}")))
+    comparison.ok_or_else(|| Failure::new(format!("{name}: {what}")))
 }
 
 fn print_picture(picture: &ErrorPicture) {

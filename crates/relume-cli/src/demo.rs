@@ -18,7 +18,7 @@ use crate::bake::bake_with_bar;
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::progress::{self, grouped};
-use crate::view::View;
+use crate::view::{Lit, View};
 
 /// Interreflections of the demo.
 const BOUNCES: u32 = 2;
@@ -186,15 +186,17 @@ impl Studio<'_> {
             ..RaycastOptions::default()
         };
         let background = |direction: Vec3| light.environment.radiance(direction);
-        Ok(self
-            .view
-            .picture(transfer, &light.sh, &background, &options)?)
+        self.view
+            .picture(transfer, &Lit::distant(&light.sh), &background, &options)
     }
 
     fn exposure(&self, light: &Light) -> Result<f32, Failure> {
-        Ok(self
-            .view
-            .exposure(Exposure::Auto, &self.asset.transfer, &light.sh, SMALL)?)
+        self.view.exposure(
+            Exposure::Auto,
+            &self.asset.transfer,
+            &Lit::distant(&light.sh),
+            SMALL,
+        )
     }
 
     /// The same light, band-limited as the bake sees it, by paths from every pixel.

@@ -15,6 +15,7 @@ mod inputs;
 mod interrupt;
 mod json;
 mod light;
+mod lights;
 mod progress;
 mod render;
 mod shade;

@@ -11,31 +11,38 @@ use relume::scene::World;
 use crate::args::{BackgroundArg, RenderArgs, SweepArg};
 use crate::failure::Failure;
 use crate::inputs::{self, check_extension, check_output, shown};
+use crate::lights::{self, Lights};
 use crate::progress;
-use crate::view::{Background, View};
+use crate::view::{Background, Lit, View};
 
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     check_extension(&args.output, &["png", "exr"])?;
     let frames = frame_names(args)?;
-    let files = args.light.env.paths();
+    let files = lights::paths(&args.light);
     let mut given = vec![args.asset.as_path()];
     given.extend(files.iter().map(PathBuf::as_path));
     frames
         .iter()
         .try_for_each(|frame| check_output(frame, &given))?;
     let (asset, world) = inputs::open_asset(&args.asset)?;
-    let environment = inputs::open_environment(&args.light.env, &args.light.change)?;
-    let light = inputs::project(&environment, asset.transfer.order, &args.light.change)?.light;
+    let lights = Lights::open(&args.light, &asset, &world)?;
     let tracer = Tracer::new(&world);
     let mut view = View {
         world: &world,
         tracer: &tracer,
         camera: camera(args, &world),
         outgoing: display::outgoing(&world, &asset.transfer)?,
-        emitters: None,
+        emitters: lights.placed.as_ref(),
     };
     let (start, transfer) = (view.camera, &asset.transfer);
-    let exposure = view.exposure(args.exposure, transfer, &light, args.size)?;
+    let lit = |distant: &ShLight| Lit {
+        light: lights.with(distant),
+        bounces: lights.bounces,
+    };
+    let named = |failure| Failure::new(format!("{}: {failure}", shown(&args.asset)));
+    let exposure = view
+        .exposure(args.exposure, transfer, &lit(&lights.distant), args.size)
+        .map_err(named)?;
     let options = RaycastOptions {
         width: args.size.0,
         height: args.size.1,
@@ -45,10 +52,11 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let bar = progress::count_bar("rendering", frames.len() as u64);
     for (i, path) in frames.iter().enumerate() {
         let share = i as f64 / frames.len() as f64;
-        let (light, environment, camera) = swept(args, share, (&light, &environment, start))?;
+        let (light, environment, camera) =
+            swept(args, share, (&lights.distant, &lights.environment, start))?;
         view.camera = camera;
         let background = background(args.background, &environment, &light);
-        let picture = view.picture(transfer, &light, &*background, &options)?;
+        let picture = view.picture(transfer, &lit(&light), &*background, &options)?;
         picture.write(path, &ToneMap { exposure })?;
         bar.inc(1);
     }

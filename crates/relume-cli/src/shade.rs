@@ -1,6 +1,6 @@
 //! `relume shade`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use relume::asset::{self, Asset};
 use relume::light::IncidentLight;
@@ -10,22 +10,23 @@ use relume::shade::{self, Outgoing, TransferredRadiance};
 use crate::args::ShadeArgs;
 use crate::failure::Failure;
 use crate::inputs::{self, check_extension, check_output, shown};
+use crate::lights::{self, Lights};
 
 pub fn run(args: &ShadeArgs) -> Result<(), Failure> {
     check_extension(&args.output, &["npz"])?;
-    let files = args.light.env.paths();
+    let files = lights::paths(&args.light);
     let mut inputs = vec![args.asset.as_path()];
     inputs.extend(files.iter().map(PathBuf::as_path));
     check_output(&args.output, &inputs)?;
     let (asset, world) = inputs::open_asset(&args.asset)?;
-    let environment = inputs::open_environment(&args.light.env, &args.light.change)?;
-    let light = inputs::project(&environment, asset.transfer.order, &args.light.change)?.light;
-    let light = IncidentLight::Distant(light);
+    let lights = Lights::open(&args.light, &asset, &world)?;
+    let light = lights.incident();
+    let sides = lights.bounced(&args.asset, &asset, &light)?;
     let radiance = match (glossy(&args.asset, &world, &asset, &light)?, args.eye) {
         (Some((outgoing, transferred)), Some(eye)) => {
             outgoing.radiance(&asset.transfer, &transferred, eye.as_dvec3())
         }
-        (None, None) => shade::radiance(&world, &asset.transfer, &light),
+        (None, None) => shade::times_albedo(&world, sides.front),
         (Some(_), None) => {
             let what = "glossy surfaces look different from each side; add --eye X,Y,Z";
             return Err(Failure::new(format!("{}: {what}", shown(&args.asset))));
@@ -46,7 +47,7 @@ pub fn run(args: &ShadeArgs) -> Result<(), Failure> {
 
 /// What a glossy asset's surfaces make of the light; `None` for a diffuse one.
 fn glossy(
-    path: &std::path::Path,
+    path: &Path,
     world: &World,
     asset: &Asset,
     light: &IncidentLight,

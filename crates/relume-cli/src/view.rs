@@ -3,14 +3,15 @@
 use glam::Vec3;
 use relume::asset::Transfer;
 use relume::bake::trace::Tracer;
-use relume::display::{self, Camera, CameraError, GlossyRadiance, Picture, Radiance};
+use relume::display::{self, Camera, GlossyRadiance, Picture, Radiance};
 use relume::display::{RaycastOptions, VertexRadiance};
 use relume::light::emitter::Placed;
 use relume::light::{IncidentLight, ShLight};
 use relume::scene::World;
-use relume::shade::Outgoing;
+use relume::shade::{Outgoing, bounced};
 
 use crate::args::Exposure;
+use crate::failure::Failure;
 
 /// A scene, ready for camera rays, and a camera.
 pub struct View<'a> {
@@ -23,41 +24,59 @@ pub struct View<'a> {
     pub emitters: Option<&'a Placed>,
 }
 
+/// Light on an asset, and how often it bounces when it is shaded.
+pub struct Lit {
+    pub light: IncidentLight,
+    pub bounces: u32,
+}
+
+impl Lit {
+    /// Distant light, as the asset was baked for it.
+    pub fn distant(light: &ShLight) -> Self {
+        Self {
+            light: IncidentLight::Distant(light.clone()),
+            bounces: 0,
+        }
+    }
+}
+
 /// Radiance by direction, where there is no surface.
 pub type Background<'a> = dyn Fn(Vec3) -> [f32; 3] + Sync + 'a;
 
 impl View<'_> {
-    /// What `transfer` makes of `light`, seen from here.
+    /// What `transfer` makes of `lit`, seen from here.
     pub fn picture(
         &self,
         transfer: &Transfer,
-        light: &ShLight,
+        lit: &Lit,
         background: &Background,
         options: &RaycastOptions,
-    ) -> Result<Picture, CameraError> {
-        self.draw(transfer, light, background, self.emitters, options)
+    ) -> Result<Picture, Failure> {
+        self.draw(transfer, lit, background, self.emitters, options)
     }
 
     fn draw(
         &self,
         transfer: &Transfer,
-        light: &ShLight,
+        lit: &Lit,
         background: &Background,
         emitters: Option<&Placed>,
         options: &RaycastOptions,
-    ) -> Result<Picture, CameraError> {
-        let light = IncidentLight::Distant(light.clone());
+    ) -> Result<Picture, Failure> {
+        // Also says whether the transfer may be used for this light at all.
+        let sides = bounced(transfer, &lit.light, lit.bounces)?;
         let glossy = self.outgoing.as_ref();
-        let glossy = glossy.and_then(|outgoing| GlossyRadiance::new(outgoing, transfer, &light));
+        let glossy =
+            glossy.and_then(|outgoing| GlossyRadiance::new(outgoing, transfer, &lit.light));
         let diffuse;
         let radiance: &dyn Radiance = match &glossy {
             Some(glossy) => glossy,
             None => {
-                diffuse = VertexRadiance::new(transfer, &light);
+                diffuse = VertexRadiance::of_sides(transfer, sides);
                 &diffuse
             }
         };
-        display::render(
+        Ok(display::render(
             self.world,
             self.tracer,
             radiance,
@@ -65,7 +84,7 @@ impl View<'_> {
             emitters,
             &self.camera,
             options,
-        )
+        )?)
     }
 
     /// The exposure asked for, or the one that brings the mean of the surfaces in view to middle grey.
@@ -73,9 +92,9 @@ impl View<'_> {
         &self,
         choice: Exposure,
         transfer: &Transfer,
-        light: &ShLight,
+        lit: &Lit,
         (width, height): (u32, u32),
-    ) -> Result<f32, CameraError> {
+    ) -> Result<f32, Failure> {
         if let Exposure::Stops(stops) = choice {
             return Ok(stops);
         }
@@ -86,7 +105,7 @@ impl View<'_> {
             height: (height / shrink).max(1),
             samples_per_pixel: 1,
         };
-        let glance = self.draw(transfer, light, &|_| [f32::NAN; 3], None, &glance)?;
+        let glance = self.draw(transfer, lit, &|_| [f32::NAN; 3], None, &glance)?;
         let luminance = |[r, g, b]: &[f32; 3]| f64::from(0.2126 * r + 0.7152 * g + 0.0722 * b);
         let surfaces = glance
             .pixels

@@ -6,7 +6,6 @@ use glam::DVec3;
 use relume::asset::{Transfer, TransferKind};
 use relume::bake::trace::Tracer;
 use relume::display::{self, Camera, CameraError, Picture, RaycastOptions, ToneMap};
-use relume::light::ShLight;
 use relume::reference::{self, RenderOptions, Sources};
 use relume::scene::World;
 
@@ -15,7 +14,7 @@ use crate::args::Exposure;
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::progress;
-use crate::view::View;
+use crate::view::{Lit, View};
 
 /// What the picture shows, in numbers. All are relative to the mean luminance of the surfaces in the path-traced view.
 pub struct ErrorPicture {
@@ -45,19 +44,23 @@ const LETTER: u32 = 2;
 pub struct Shot<'a> {
     pub world: &'a World,
     pub transfer: &'a Transfer,
-    pub light: &'a ShLight,
+    /// What ours is made of.
+    pub lit: &'a Lit,
+    /// What paths find.
+    pub sources: &'a Sources<'a>,
     pub camera: Camera,
 }
 
 impl Shot<'_> {
     /// Makes the picture and writes it.
     pub fn write(&self, seed: u64, size: (u32, u32), path: &Path) -> Result<ErrorPicture, Failure> {
-        let TransferKind::Shadowed { bounces } = self.transfer.kind else {
+        let TransferKind::Shadowed { bounces: folded } = self.transfer.kind else {
             return Err(Failure::new(format!(
                 "{}: paths are always shadowed, so there is no such picture of an asset without shadows; bake it with shadows",
                 shown(path)
             )));
         };
+        let bounces = folded + self.lit.bounces;
         let (ours, tone) = self.ours(size)?;
         let spinner = progress::spinner("path tracing the picture");
         let half = |half: u64| {
@@ -82,16 +85,16 @@ impl Shot<'_> {
             tracer: &tracer,
             camera: self.camera,
             outgoing: display::outgoing(self.world, self.transfer)?,
-            emitters: None,
+            emitters: self.sources.emitters,
         };
-        let (transfer, light) = (self.transfer, self.light);
-        let exposure = view.exposure(Exposure::Auto, transfer, light, (width, height))?;
+        let (transfer, lit) = (self.transfer, self.lit);
+        let exposure = view.exposure(Exposure::Auto, transfer, lit, (width, height))?;
         let options = RaycastOptions {
             width,
             height,
             samples_per_pixel: 64,
         };
-        let ours = view.picture(transfer, light, &|_| [0.0; 3], &options)?;
+        let ours = view.picture(transfer, lit, &|_| [0.0; 3], &options)?;
         Ok((ours, ToneMap { exposure }))
     }
 
@@ -111,15 +114,14 @@ impl Shot<'_> {
             seed,
         };
         let (world, camera) = (self.world, &self.camera);
-        let radiance = reference::sh_radiance(self.light);
-        let sources = Sources::distant(&radiance);
+        let sources = self.sources;
         let behind = |_: DVec3| [0.0; 3];
         if !glossy {
-            return reference::render(world, &sources, &behind, camera, &options);
+            return reference::render(world, sources, &behind, camera, &options);
         }
         let surfaces = reference::material_surfaces(world)
             .expect("what is covered with a tile is not compared");
-        reference::render_surfaces(world, &surfaces, &sources, &behind, camera, &options)
+        reference::render_surfaces(world, &surfaces, sources, &behind, camera, &options)
     }
 }
 

@@ -9,7 +9,7 @@ use crate::bake::trace::{Hit, Tracer};
 use crate::light::IncidentLight;
 use crate::light::emitter::Placed;
 use crate::scene::World;
-use crate::shade::{transferred_radiance, transferred_radiance_back};
+use crate::shade::{SideRadiance, transferred_radiance, transferred_radiance_back};
 
 /// Transferred radiance (without albedo) at every vertex of a world.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,16 +24,28 @@ pub struct VertexRadiance {
 impl VertexRadiance {
     /// What `transfer` makes of `light`, front and back.
     pub fn new(transfer: &Transfer, light: &IncidentLight) -> Self {
-        let front = transferred_radiance(transfer, light);
+        Self::of_sides(
+            transfer,
+            SideRadiance {
+                front: transferred_radiance(transfer, light),
+                back: transferred_radiance_back(transfer, light),
+            },
+        )
+    }
+
+    /// What all sides of `transfer` have.
+    pub fn of_sides(transfer: &Transfer, sides: SideRadiance) -> Self {
         let mut back = Vec::new();
         if let Some(vertices) = transfer.back.as_ref().map(|back| &back.vertices) {
-            back.resize(front.len(), [0.0; 3]);
-            let values = transferred_radiance_back(transfer, light);
-            for (&vertex, value) in vertices.iter().zip(values) {
+            back.resize(sides.front.len(), [0.0; 3]);
+            for (&vertex, value) in vertices.iter().zip(sides.back) {
                 back[vertex as usize] = value;
             }
         }
-        Self { front, back }
+        Self {
+            front: sides.front,
+            back,
+        }
     }
 }
 

@@ -85,6 +85,28 @@ impl VertexLight {
         }
     }
 
+    /// This and another light of the same vertices, at the higher of their orders. Panics where there are more of one than of the other.
+    pub fn plus_vertices(&self, other: &Self) -> Self {
+        assert_eq!(
+            self.vertex_count(),
+            other.vertex_count(),
+            "the same vertices"
+        );
+        let order = self.order.max(other.order);
+        let mut coefficients = vec![[0.0; 3]; self.vertex_count() * order.count()];
+        for (vertex, row) in coefficients.chunks_exact_mut(order.count()).enumerate() {
+            for light in [self, other] {
+                for (place, value) in row.iter_mut().zip(light.coefficients(vertex)) {
+                    *place = std::array::from_fn(|c| place[c] + value[c]);
+                }
+            }
+        }
+        Self {
+            order,
+            coefficients,
+        }
+    }
+
     /// The `order²` RGB coefficients of one vertex, index `l(l+1)+m`. Panics where there is no such vertex.
     pub fn coefficients(&self, vertex: usize) -> &[[f32; 3]] {
         let count = self.order.count();

@@ -10,6 +10,6 @@ pub use bounce::{BounceError, SideRadiance, bounced};
 pub use compound::{Compound, CompoundError, SurfaceLightField};
 pub use matrix::{Outgoing, TransferredRadiance};
 pub use vector::{
-    radiance, transferred_radiance, transferred_radiance_back, transferred_radiance_batch,
-    transferred_radiance_into,
+    radiance, times_albedo, transferred_radiance, transferred_radiance_back,
+    transferred_radiance_batch, transferred_radiance_into,
 };

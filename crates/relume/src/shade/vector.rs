@@ -61,7 +61,11 @@ pub fn radiance(world: &World, transfer: &Transfer, light: &IncidentLight) -> Ve
         transfer.vertex_count(),
         "one transfer vector per vertex"
     );
-    let mut radiance = transferred_radiance(transfer, light);
+    times_albedo(world, transferred_radiance(transfer, light))
+}
+
+/// Radiance that leaves fronts that have this transferred radiance: [`World::vertex_albedos`] × that. One for each vertex.
+pub fn times_albedo(world: &World, mut radiance: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
     for (value, albedo) in radiance.iter_mut().zip(world.vertex_albedos()) {
         let albedo = albedo.to_array();
         *value = std::array::from_fn(|c| albedo[c] * value[c]);

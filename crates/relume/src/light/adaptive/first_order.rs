@@ -45,6 +45,8 @@ pub struct FirstOrderSamples {
     pub weights: Vec<f64>,
     /// `[samples][4][order²][3]`: coefficients, and their derivatives along x, y and z per metre.
     pub rows: Vec<f32>,
+    /// Points at which light was found; some of them count no more.
+    pub evaluations: usize,
     /// The error that was accepted: ε, or more where the budget did not reach that far.
     pub epsilon: f64,
 }
@@ -259,6 +261,7 @@ impl Walk<'_> {
             radii: Vec::new(),
             weights: Vec::new(),
             rows: Vec::new(),
+            evaluations: found.len(),
             epsilon,
         };
         let smallest = 1e-6 * self.hierarchy.nodes()[0].radius;

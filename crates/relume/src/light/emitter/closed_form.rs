@@ -188,7 +188,7 @@ impl Sum<'_> {
         if !descent.front {
             turned.reverse();
         }
-        let part = view.part(turned.to_vec());
+        let part = view.part(&turned);
         let is_leaf = 4 * cell + 1 >= tree.cells.len();
         if is_leaf || descent.is_even(cell, part.angle(), self.form) {
             self.add_part(&part, descent.before, tree.cells[cell].mean, room);

@@ -30,7 +30,7 @@ pub use cube_map::CubeMap;
 pub use error::EmitterError;
 pub use file::{EmitterFileError, EntryError, from_json, load};
 pub use placed::{EmitterHit, Placed, PlacedPolygon, PlacedSphere};
-pub use sample::{Incident, LightGradient, Sampler};
+pub use sample::{Incident, LightGradient, Sampler, light_at};
 
 use pattern::Cells;
 

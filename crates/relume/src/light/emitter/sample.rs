@@ -1,9 +1,11 @@
 //! Incident light of emitters at a point, sampled.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::Placed;
 use crate::basis::Order;
+use crate::light::VertexLight;
+use crate::parallel;
 
 /// What arrives at a point from emitters, as if nothing but emitters were there.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,4 +87,14 @@ fn add(coefficients: &mut [[f64; 3]], integrals: &[f64], rgb: [f32; 3]) {
             *place += y * f64::from(value);
         }
     }
+}
+
+/// Incident light at each position.
+pub fn light_at(positions: &[Vec3], placed: &Placed, sampler: &dyn Sampler) -> VertexLight {
+    let found = parallel::map(positions.len(), |i| {
+        let incident = sampler.sample(placed, positions[i].as_dvec3());
+        let narrow = |rgb: &[f64; 3]| rgb.map(|x| x as f32);
+        incident.coefficients.iter().map(narrow).collect::<Vec<_>>()
+    });
+    VertexLight::new(sampler.order(), found.concat())
 }

@@ -128,11 +128,9 @@ fn patterns_are_read_where_a_ray_meets_them_and_their_cells_keep_the_mean() {
     }
 }
 
-#[test]
-fn what_is_no_emitter_is_refused_in_one_line() {
+/// A face that is not flat, one that crosses itself, and one without a corner.
+fn broken_meshes() -> [EmitterMesh; 3] {
     let quad = || EmitterMesh::quad(1.0, 1.0);
-    let white = || Pattern::Uniform([1.0; 3]);
-    let refused = |emitter: Emitter| Emitters::new(vec![emitter]).unwrap_err().to_string();
     let bent = EmitterMesh {
         positions: vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 1.0), DVec3::Y],
         ..quad()
@@ -145,6 +143,15 @@ fn what_is_no_emitter_is_refused_in_one_line() {
         faces: vec![vec![0, 1, 9]],
         ..quad()
     };
+    [bent, crossed, missing]
+}
+
+#[test]
+fn what_is_no_emitter_is_refused_in_one_line() {
+    let quad = || EmitterMesh::quad(1.0, 1.0);
+    let white = || Pattern::Uniform([1.0; 3]);
+    let refused = |emitter: Emitter| Emitters::new(vec![emitter]).unwrap_err().to_string();
+    let [bent, crossed, missing] = broken_meshes();
     let mesh = |mesh| of(Shape::Mesh(mesh), white());
     let sheared = DAffine3::from_scale(DVec3::new(1.0, 2.0, 1.0));
     for (message, needle) in [

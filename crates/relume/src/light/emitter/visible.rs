@@ -55,10 +55,10 @@ impl View {
     }
 
     /// A part of this, between corners in the same order.
-    pub fn part(&self, corners: Vec<DVec3>) -> Self {
-        let (direction, angle) = cone(&corners);
+    pub fn part(&self, corners: &[DVec3]) -> Self {
+        let (direction, angle) = cone(corners);
         Self {
-            corners: outline(&corners),
+            corners: outline(corners),
             direction,
             angle,
             normal: self.normal,
