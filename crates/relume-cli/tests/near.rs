@@ -1,0 +1,133 @@
+//! Near lights as people use them.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
+
+mod bench;
+
+use std::fs;
+
+use bench::Bench;
+use relume::files::npz;
+
+/// A panel beside the scene and a ball before it.
+const LAMPS: &str = r#"{"emitters": [
+    {"name": "panel", "quad": [2, 2], "position": [3, 2, 0], "target": [0, 0, 0], "radiance": [4, 3, 2]},
+    {"name": "ball", "sphere": 0.2, "position": [0, 3, 2], "radiance": 20}
+]}"#;
+
+fn lit(flags: &str) -> Bench {
+    let bench = Bench::new();
+    bench.bake("baked.glb", flags);
+    fs::write(bench.path("lamps.json"), LAMPS).unwrap();
+    bench
+}
+
+/// The radiance in a radiance.npz.
+fn radiance(bench: &Bench, name: &str) -> Vec<f32> {
+    npz::load(&bench.path(name), "radiance").unwrap().1
+}
+
+#[test]
+fn emitters_light_an_asset_alone_and_with_the_sky() {
+    let bench = lit("--order 4");
+    bench.succeed("shade baked.glb --emitters lamps.json -o near.npz");
+    bench.succeed("shade baked.glb --light sky:40,3 -o far.npz");
+    bench.succeed("shade baked.glb --light sky:40,3 --emitters lamps.json -o both.npz");
+    let [near, far, both] = ["near.npz", "far.npz", "both.npz"].map(|name| radiance(&bench, name));
+    assert!(near.iter().any(|&x| x > 0.1));
+    for ((near, far), both) in near.iter().zip(&far).zip(&both) {
+        assert!((near + far - both).abs() < 1e-4 * (1.0 + both.abs()));
+    }
+    bench.succeed(
+        "render baked.glb --emitters lamps.json -o look.png --size 64x48 --samples-per-pixel 1",
+    );
+    assert!(
+        fs::read(bench.path("look.png"))
+            .unwrap()
+            .starts_with(b"\x89PNG")
+    );
+}
+
+#[test]
+fn light_of_vertices_is_written_once_and_shaded_alike() {
+    let bench = lit("--order 4");
+    let said = bench
+        .succeed("light --emitters lamps.json --for baked.glb -o light.npz")
+        .1;
+    assert!(said.contains("order 4 at"), "{said}");
+    bench.succeed("shade baked.glb --light light.npz -o a.npz");
+    bench.succeed("shade baked.glb --emitters lamps.json -o b.npz");
+    assert!(fs::read(bench.path("a.npz")).unwrap() == fs::read(bench.path("b.npz")).unwrap());
+    let said = bench
+        .succeed(
+            "light --emitters lamps.json --for baked.glb -o few.npz --budget 31 --epsilon 0.001",
+        )
+        .1;
+    assert!(said.contains(" samples"), "{said}");
+    bench.succeed("light sky:30,3 --emitters lamps.json --for baked.glb -o sum.npz");
+    let other = bench.fail(1, "shade scene.obj --light light.npz -o c.npz");
+    assert!(other.contains("scene.obj"), "{other}");
+}
+
+#[test]
+fn bounces_are_gathered_when_light_varies() {
+    let bench = lit("--order 4 --gather");
+    bench.succeed("shade baked.glb --emitters lamps.json -o direct.npz");
+    bench.succeed("shade baked.glb --emitters lamps.json --bounces 2 -o bounced.npz");
+    let sum = |name: &str| radiance(&bench, name).iter().sum::<f32>();
+    assert!(sum("bounced.npz") > 1.001 * sum("direct.npz"));
+    bench.bake("folded.glb", "--order 4 --bounces 1");
+    let said = bench.fail(1, "shade folded.glb --emitters lamps.json -o x.npz");
+    assert!(said.contains("--bounces 0 --gather"), "{said}");
+    bench.bake("bare.glb", "--order 4");
+    let said = bench.fail(
+        1,
+        "render bare.glb --emitters lamps.json --bounces 1 -o x.png",
+    );
+    assert!(said.contains("--gather"), "{said}");
+    assert!(!bench.path("x.png").exists());
+}
+
+#[test]
+fn emitters_are_compared_with_paths() {
+    let bench = lit("--order 8 --gather");
+    let said = bench
+        .succeed(
+            "compare baked.glb --emitters lamps.json --bounces 1 --vertices 20 --paths 4096 --json",
+        )
+        .0;
+    let figures: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let error = figures["relative_rms"]["value"].as_f64().unwrap();
+    assert!(error < 0.1, "{said}");
+    bench.succeed("light --emitters lamps.json --for baked.glb -o light.npz");
+    let said = bench.fail(1, "compare baked.glb --light light.npz");
+    assert!(said.contains("--emitters"), "{said}");
+}
+
+#[test]
+fn what_is_no_emitter_is_said_in_one_line() {
+    let bench = lit("--order 2");
+    for (text, needle) in [
+        ("{}", "emitters"),
+        (r#"{"emitters": [{"quad": [1, 1]}]}"#, "radiance"),
+        (
+            r#"{"emitters": [{"quad": [1, 1], "radiance": -1}]}"#,
+            "radiance",
+        ),
+        (
+            r#"{"emitters": [{"quad": [1, 1], "radiance": 1, "colour": 2}]}"#,
+            "colour",
+        ),
+        ("[[[[", "bad.json"),
+    ] {
+        fs::write(bench.path("bad.json"), text).unwrap();
+        let said = bench.fail(1, "shade baked.glb --emitters bad.json -o x.npz");
+        assert!(said.contains(needle) && said.contains("bad.json"), "{said}");
+        assert!(!bench.path("x.npz").exists());
+    }
+    bench.fail(
+        1,
+        "light --emitters lamps.json --for baked.glb -o lamps.json",
+    );
+    bench.fail(1, "light --emitters missing.json --for baked.glb -o x.npz");
+}
