@@ -3,6 +3,7 @@
 mod brdf;
 mod light;
 mod parse;
+mod reproduce;
 mod tile;
 
 use std::path::PathBuf;
@@ -14,6 +15,7 @@ use relume::basis::Order;
 pub use brdf::BrdfArgs;
 pub use light::{LightArgs, LightChange, LightFileArgs};
 pub use parse::{Exposure, MaxEdge, Samples};
+pub use reproduce::{PaperArg, ReproduceArgs, TableArg};
 pub use tile::TileArgs;
 
 /// Precomputed radiance transfer: bake how light moves through a scene once, then relight it.
@@ -46,6 +48,7 @@ pub enum Command {
     Compare(CompareArgs),
     Export(ExportArgs),
     Info(InfoArgs),
+    Reproduce(ReproduceArgs),
     Completions(CompletionsArgs),
 }
 

@@ -18,6 +18,7 @@ mod light;
 mod lights;
 mod progress;
 mod render;
+mod reproduce;
 mod shade;
 mod tile;
 mod view;
@@ -51,6 +52,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Compare(args) => compare::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Reproduce(args) => reproduce::run(&args),
         Command::Completions(args) => completions::run(&args),
     }
 }
