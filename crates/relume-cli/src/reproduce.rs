@@ -279,7 +279,7 @@ impl Measured<'_> {
         let epsilon = Some(samples.epsilon);
         print_row(
             "ours, with gradients",
-            samples.evaluations,
+            samples.len(),
             epsilon,
             sampling,
             seconds,

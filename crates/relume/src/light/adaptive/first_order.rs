@@ -1,25 +1,26 @@
 //! Samples with gradients: fewer of them, placed where the colour of vertices needs them, and without steps as lights move.
 //!
-//! What is better than [`super::refine`] and [`super::reconstruct`]: a sample predicts light around it to first order [annen2004]; what a cluster's halves
-//! differ from that by tells how wrong it is, as the cluster's own vertices shade it (those that reflect little, or look away, want little); the cluster
-//! with the largest error goes first; and a sample that is hardly wanted has hardly any weight, so that none appears or goes with a jump.
+//! What is better than [`super::refine`] and [`super::reconstruct`]: a sample predicts light around it to first order [annen2004]; how wrong that is, a stand-in
+//! for the light tells before anything is sampled, as the cluster's own vertices shade it (those that reflect little, or look away, want little); the
+//! cluster with the largest error is cut first; and a sample that is hardly wanted has hardly any weight, so that none comes or goes with a jump.
 
 use std::collections::BinaryHeap;
 
 use glam::{DVec3, Vec3};
 
+use super::lumps::Lumps;
 use super::octree::SampleOctree;
 use super::{RefineOptions, VertexHierarchy, VertexNode};
 use crate::asset::Transfer;
 use crate::basis::Order;
 use crate::light::VertexLight;
-use crate::light::emitter::{ClosedForm, Incident, LightGradient, Placed, Sampler};
+use crate::light::emitter::{ClosedForm, Placed, Sampler};
 use crate::parallel;
 
 /// Clusters cut at a time, whatever the threads.
 const BATCH: usize = 8;
-/// Vertices of a cluster that its error is taken from.
-const JUDGES: usize = 24;
+/// Vertices of a cluster that its error is taken from: the root of their number, between these.
+const JUDGES: (usize, usize) = (24, 128);
 /// A sample counts this many times its cluster's radius from its middle: no vertex of the cluster is farther away.
 const REACH: f64 = 2.0;
 /// A cluster's halves have their full weight from this many times ε on.
@@ -45,8 +46,6 @@ pub struct FirstOrderSamples {
     pub weights: Vec<f64>,
     /// `[samples][4][order²][3]`: coefficients, and their derivatives along x, y and z per metre.
     pub rows: Vec<f32>,
-    /// Points at which light was found; some of them count no more.
-    pub evaluations: usize,
     /// The error that was accepted: ε, or more where the budget did not reach that far.
     pub epsilon: f64,
 }
@@ -77,21 +76,11 @@ impl Responses {
     }
 }
 
-/// A cluster whose light is known.
-struct Sampled {
-    node: usize,
-    incident: Incident,
-    gradient: LightGradient,
-    /// Its share of the RMS error of vertex colours if its sample served it alone.
-    error: f64,
-    parent: Option<usize>,
-    halves: bool,
-}
-
-/// Samples light with gradients: the cluster with the largest error is cut first, while that exceeds ε (an error of vertex colour: RMS over all
-/// vertices, of which this cluster's is a share) and the budget (at least one) lasts.
+/// Samples light with gradients where vertices need them.
 ///
-/// One sample is one evaluation of light at a point. The same for any number of threads.
+/// The cluster with the largest error is cut first, while that exceeds ε (the cluster's share of the RMS error of vertex colours) and samples stay within the
+/// budget (at least one). Errors are those of a stand-in for the light ([`Lumps`]), so that nothing is sampled before all clusters are chosen: one sample, that is,
+/// one evaluation of light at a point, for each that counts. The same for any number of threads.
 pub fn refine_first_order(
     hierarchy: &VertexHierarchy,
     positions: &[Vec3],
@@ -100,66 +89,207 @@ pub fn refine_first_order(
     placed: &Placed,
     options: &RefineOptions,
 ) -> FirstOrderSamples {
-    let walk = Walk {
+    let oracle = Oracle {
         hierarchy,
         positions,
         responses,
+        lumps: Lumps::new(placed, form.order()),
     };
-    let sample = |node: usize| form.sample_with_gradient(placed, hierarchy.nodes()[node].position);
-    let mut found: Vec<Sampled> = Vec::new();
-    let mut open = BinaryHeap::new();
-    if !positions.is_empty() {
-        let (incident, gradient) = sample(0);
-        let error = walk.root_error(&incident);
-        open.push((Ordered(error), 0));
-        found.push(Sampled {
-            node: 0,
-            incident,
-            gradient,
-            error,
-            parent: None,
-            halves: false,
-        });
+    let cut = oracle.cut(options);
+    let nodes = hierarchy.nodes();
+    let lights = parallel::map(cut.weights.len(), |i| {
+        form.sample_with_gradient(placed, nodes[cut.weights[i].0].position)
+    });
+    let mut samples = FirstOrderSamples {
+        order: form.order(),
+        positions: Vec::new(),
+        radii: Vec::new(),
+        weights: Vec::new(),
+        rows: Vec::new(),
+        epsilon: cut.epsilon,
+    };
+    let smallest = nodes.first().map_or(0.0, |root| 1e-6 * root.radius);
+    for (&(node, weight), (incident, gradient)) in cut.weights.iter().zip(&lights) {
+        samples.positions.push(nodes[node].position);
+        samples
+            .radii
+            .push((REACH * nodes[node].radius).max(smallest));
+        samples.weights.push(weight);
+        let rows = std::iter::once(&incident.coefficients).chain(&gradient.axes);
+        samples
+            .rows
+            .extend(rows.flatten().flatten().map(|&x| x as f32));
     }
-    loop {
-        let room = options.budget.saturating_sub(found.len()) / 2;
-        let mut cut = Vec::new();
-        while cut.len() < room.min(BATCH)
-            && open
-                .peek()
-                .is_some_and(|(error, _)| error.0 > options.epsilon)
-        {
-            cut.extend(open.pop().map(|(_, i)| i));
-        }
-        if cut.is_empty() {
-            break;
-        }
-        let mut halves: Vec<(usize, usize)> = Vec::new();
-        for &i in &cut {
-            found[i].halves = true;
-            halves.extend(hierarchy.halves(found[i].node).map(|half| (i, half)));
-        }
-        let lights = parallel::map(halves.len(), |k| {
-            let (incident, gradient) = sample(halves[k].1);
-            let error = walk.error(halves[k].1, (&incident, &gradient), &found[halves[k].0]);
-            (incident, gradient, error)
-        });
-        for ((parent, node), (incident, gradient, error)) in halves.into_iter().zip(lights) {
-            if hierarchy.nodes()[node].radius > 0.0 {
-                open.push((Ordered(error), found.len()));
-            }
-            found.push(Sampled {
-                node,
-                incident,
-                gradient,
+    samples
+}
+
+/// What a cluster's sample would leave out.
+struct Oracle<'a> {
+    hierarchy: &'a VertexHierarchy,
+    positions: &'a [Vec3],
+    responses: &'a Responses,
+    lumps: Lumps,
+}
+
+/// A cluster that was looked at.
+struct Cluster {
+    node: usize,
+    parent: Option<usize>,
+    error: f64,
+    /// When it was cut, counting from 0.
+    cut: Option<usize>,
+}
+
+/// Clusters that are sampled, and how much each counts.
+struct Cut {
+    /// Node and weight.
+    weights: Vec<(usize, f64)>,
+    epsilon: f64,
+}
+
+impl Oracle<'_> {
+    /// Cuts the worst cluster, and so on; then goes back to where the samples that count fit the budget.
+    fn cut(&self, options: &RefineOptions) -> Cut {
+        let mut clusters: Vec<Cluster> = Vec::new();
+        let mut open = BinaryHeap::new();
+        if !self.positions.is_empty() {
+            let error = self.error(0);
+            clusters.push(Cluster {
+                node: 0,
+                parent: None,
                 error,
-                parent: Some(parent),
-                halves: false,
+                cut: None,
             });
+            open.push((Ordered(error), 0));
+        }
+        // ε after so many cuts.
+        let mut left = vec![open.peek().map_or(0.0, |(error, _)| error.0)];
+        while left.len() < options.budget {
+            let mut worst: Vec<usize> = Vec::new();
+            while worst.len() < BATCH.min(options.budget - left.len())
+                && open
+                    .peek()
+                    .is_some_and(|(error, _)| error.0 > options.epsilon)
+            {
+                worst.extend(open.pop().map(|(_, i)| i));
+            }
+            if worst.is_empty() {
+                break;
+            }
+            let halves: Vec<(usize, usize)> = worst
+                .iter()
+                .flat_map(|&i| {
+                    self.hierarchy
+                        .halves(clusters[i].node)
+                        .map(move |half| (i, half))
+                })
+                .collect();
+            let errors = parallel::map(halves.len(), |k| self.error(halves[k].1));
+            for (k, &i) in worst.iter().enumerate() {
+                clusters[i].cut = Some(left.len() - 1);
+                for (&(parent, node), &error) in halves.iter().zip(&errors) {
+                    if parent == i {
+                        raise(&mut clusters, parent, error);
+                        open.push((Ordered(error), clusters.len()));
+                        clusters.push(Cluster {
+                            node,
+                            parent: Some(parent),
+                            error,
+                            cut: None,
+                        });
+                    }
+                }
+                // What is still to be cut of this batch is open too.
+                let waiting = worst[k + 1..].iter().map(|&i| clusters[i].error);
+                let open = open.peek().map_or(0.0, |(error, _)| error.0);
+                left.push(waiting.fold(open, f64::max));
+            }
+        }
+        fitting(&clusters, &left, options)
+    }
+
+    /// A cluster's share of the RMS error of vertex colours if one sample served it alone.
+    fn error(&self, node: usize) -> f64 {
+        let node = &self.hierarchy.nodes()[node];
+        if node.radius == 0.0 {
+            return 0.0;
+        }
+        let step = 0.01 * node.radius;
+        let [here, x, y, z] = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z]
+            .map(|axis| self.lumps.light(node.position + axis * step));
+        let (judges, each) = self.judges(node);
+        let mut sum = 0.0;
+        for vertex in judges {
+            let at = self.positions[vertex as usize].as_dvec3();
+            let offset = (at - node.position) / step;
+            let light = self.lumps.light(at);
+            let mut colour = 0.0;
+            for (i, &response) in self.responses.of(vertex).iter().enumerate() {
+                let slope = offset.x * (x[i] - here[i])
+                    + offset.y * (y[i] - here[i])
+                    + offset.z * (z[i] - here[i]);
+                colour += f64::from(response) * (light[i] - here[i] - slope);
+            }
+            sum += colour * colour;
+        }
+        (sum * each / self.positions.len() as f64).sqrt()
+    }
+
+    /// Some of a cluster's vertices, and how many each stands for.
+    fn judges(&self, node: &VertexNode) -> (impl Iterator<Item = u32> + '_, f64) {
+        let members = &self.hierarchy.order()[node.vertices.clone()];
+        let judges = members.len().isqrt().clamp(JUDGES.0, JUDGES.1);
+        let step = members.len().div_ceil(judges).max(1);
+        let count = members.len().div_ceil(step).max(1);
+        let each = members.len() as f64 / count as f64;
+        (members.iter().step_by(step).copied(), each)
+    }
+}
+
+/// A cluster is as wrong as its worst part, which its judges may not have seen.
+fn raise(clusters: &mut [Cluster], cluster: usize, error: f64) {
+    let mut next = Some(cluster);
+    while let Some(i) = next.filter(|&i| clusters[i].error < error) {
+        clusters[i].error = error;
+        next = clusters[i].parent;
+    }
+}
+
+/// The most cuts after which the samples that count fit the budget; `left` is ε after each number of cuts.
+fn fitting(clusters: &[Cluster], left: &[f64], options: &RefineOptions) -> Cut {
+    // Numbers of cuts after which ε is smaller than ever before: there are the more samples the smaller it is.
+    let mut lows: Vec<usize> = Vec::new();
+    for (cuts, error) in left.iter().enumerate() {
+        if lows.last().is_none_or(|&low| *error < left[low]) {
+            lows.push(cuts);
         }
     }
-    let left = open.peek().map_or(0.0, |(error, _)| error.0);
-    walk.weighted(&found, form.order(), left.max(options.epsilon))
+    let weighed = |&cuts: &usize| weigh(clusters, cuts, left[cuts].max(options.epsilon));
+    let fits = |cuts: &usize| weighed(cuts).weights.len() <= options.budget.max(1);
+    let count = lows.partition_point(fits).max(1);
+    weighed(&lows[count - 1])
+}
+
+/// The clusters that count after so many cuts: halves take over from a cluster as its error goes from ε to twice that.
+fn weigh(clusters: &[Cluster], cuts: usize, epsilon: f64) -> Cut {
+    let mut handed = vec![0.0; clusters.len()];
+    let mut weights = Vec::new();
+    for (i, cluster) in clusters.iter().enumerate() {
+        let reached = cluster.parent.map_or(1.0, |parent| handed[parent]);
+        let share = match cluster.cut.is_some_and(|at| at < cuts) {
+            true if epsilon > 0.0 => {
+                ((cluster.error / epsilon - 1.0) / (FULL - 1.0)).clamp(0.0, 1.0)
+            }
+            true => 1.0,
+            false => 0.0,
+        };
+        handed[i] = reached * share;
+        let weight = reached * (1.0 - share);
+        if weight > 0.0 {
+            weights.push((cluster.node, weight));
+        }
+    }
+    Cut { weights, epsilon }
 }
 
 /// Errors in the order of their size; they are finite.
@@ -177,117 +307,6 @@ impl PartialOrd for Ordered {
 impl Ord for Ordered {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
         self.0.total_cmp(&other.0)
-    }
-}
-
-struct Walk<'a> {
-    hierarchy: &'a VertexHierarchy,
-    positions: &'a [Vec3],
-    responses: &'a Responses,
-}
-
-impl Walk<'_> {
-    /// Some of a cluster's vertices, and how many each stands for.
-    fn judges(&self, node: &VertexNode) -> (impl Iterator<Item = u32> + '_, f64) {
-        let members = &self.hierarchy.order()[node.vertices.clone()];
-        let step = members.len().div_ceil(JUDGES).max(1);
-        let count = members.len().div_ceil(step).max(1);
-        let each = members.len() as f64 / count as f64;
-        (members.iter().step_by(step).copied(), each)
-    }
-
-    /// r² |l| / H², what the second order may bring, by the mean response.
-    fn root_error(&self, incident: &Incident) -> f64 {
-        let root = &self.hierarchy.nodes()[0];
-        let (judges, _) = self.judges(root);
-        let (mut squares, mut count) = (0.0, 0.0);
-        for vertex in judges {
-            let response = self.responses.of(vertex).iter();
-            squares += response.map(|x| f64::from(x * x)).sum::<f64>();
-            count += 1.0;
-        }
-        let share = root.radius / incident.harmonic_mean_distance();
-        share * share * incident.norm() * (squares / f64::max(count, 1.0)).sqrt()
-    }
-
-    /// What is left out at distance d from a sample is (d/Δ)² of what its parent left out at the distance Δ at which the sample stands, and half of d²/Δ
-    /// times the change of the gradient from there: both in colour, by the responses of the cluster's vertices.
-    fn error(&self, node: usize, here: (&Incident, &LightGradient), parent: &Sampled) -> f64 {
-        let node = &self.hierarchy.nodes()[node];
-        let from = self.hierarchy.nodes()[parent.node].position;
-        let step = node.position - from;
-        let square = step.length_squared().max(1e-30);
-        let count = self.responses.order.count();
-        // Colours by the mean of channels: 1 + 3 differences for each coefficient.
-        let mut differences = vec![[0.0_f32; 4]; count];
-        let mean = |rgb: [f64; 3]| (rgb[0].abs() + rgb[1].abs() + rgb[2].abs()) / 3.0;
-        for (i, difference) in differences.iter_mut().enumerate() {
-            let signed: [f64; 3] = std::array::from_fn(|c| {
-                let slope = (0..3).map(|axis| parent.gradient.axes[axis][i][c] * step[axis]);
-                here.0.coefficients[i][c] - parent.incident.coefficients[i][c] - slope.sum::<f64>()
-            });
-            difference[0] = (mean(signed).copysign(signed.iter().sum()) / square) as f32;
-            for axis in 0..3 {
-                let signed: [f64; 3] = std::array::from_fn(|c| {
-                    here.1.axes[axis][i][c] - parent.gradient.axes[axis][i][c]
-                });
-                let half = 0.5 * mean(signed).copysign(signed.iter().sum()) / square.sqrt();
-                difference[axis + 1] = half as f32;
-            }
-        }
-        let (judges, each) = self.judges(node);
-        let mut sum = 0.0;
-        for vertex in judges {
-            let apart = self.positions[vertex as usize]
-                .as_dvec3()
-                .distance_squared(node.position);
-            let mut colours = [0.0_f32; 4];
-            for (response, difference) in self.responses.of(vertex).iter().zip(&differences) {
-                for (colour, value) in colours.iter_mut().zip(difference) {
-                    *colour += response * value;
-                }
-            }
-            let squares: f32 = colours.iter().map(|c| c * c).sum();
-            sum += f64::from(squares) * apart * apart;
-        }
-        (sum * each / self.positions.len() as f64).sqrt()
-    }
-
-    /// All samples that count. A cluster's halves take over from it as its error goes from ε to twice that.
-    fn weighted(&self, found: &[Sampled], order: Order, epsilon: f64) -> FirstOrderSamples {
-        let mut samples = FirstOrderSamples {
-            order,
-            positions: Vec::new(),
-            radii: Vec::new(),
-            weights: Vec::new(),
-            rows: Vec::new(),
-            evaluations: found.len(),
-            epsilon,
-        };
-        let smallest = 1e-6 * self.hierarchy.nodes()[0].radius;
-        let mut handed = vec![1.0; found.len()];
-        for (i, sampled) in found.iter().enumerate() {
-            let reached = sampled.parent.map_or(1.0, |parent| handed[parent]);
-            let share = match sampled.halves && epsilon > 0.0 {
-                true => ((sampled.error / epsilon - 1.0) / (FULL - 1.0)).clamp(0.0, 1.0),
-                false if sampled.halves => 1.0,
-                false => 0.0,
-            };
-            handed[i] = reached * share;
-            let weight = reached * (1.0 - share);
-            if weight > 0.0 {
-                let node = &self.hierarchy.nodes()[sampled.node];
-                samples.positions.push(node.position);
-                samples.radii.push((REACH * node.radius).max(smallest));
-                samples.weights.push(weight);
-                let gradient = sampled.gradient.axes.iter();
-                let rows = std::iter::once(&sampled.incident.coefficients).chain(gradient);
-                samples
-                    .rows
-                    .extend(rows.flatten().flatten().map(|&x| x as f32));
-            }
-        }
-        samples
     }
 }
 

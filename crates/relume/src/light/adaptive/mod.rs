@@ -12,6 +12,7 @@
 mod first_order;
 mod hierarchy;
 mod lbg;
+mod lumps;
 mod octree;
 mod reconstruct;
 mod refine;

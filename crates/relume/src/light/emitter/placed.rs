@@ -161,6 +161,20 @@ impl Placed {
         &self.corners[polygon.corners.clone()]
     }
 
+    /// Area of a polygon, square metres.
+    pub fn area(&self, polygon: &PlacedPolygon) -> f64 {
+        area_vector(self.corners(polygon)).length()
+    }
+
+    /// Mean of a polygon's radiance over its area and the channels, toward its normal.
+    pub fn mean_radiance(&self, polygon: &PlacedPolygon) -> f64 {
+        let [r, g, b] = match &polygon.shine {
+            Shine::Uniform(radiance) => *radiance,
+            Shine::Cells(cells, triangle) => cells.triangles[*triangle].cells[0].mean,
+        };
+        f64::from(r + g + b) / 3.0
+    }
+
     /// The nearest emitter on a ray, and its radiance toward the ray's origin: black where it only blocks, or shows its back.
     pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<EmitterHit> {
         let polygons = self.polygons.iter();
