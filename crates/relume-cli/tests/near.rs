@@ -131,3 +131,26 @@ fn what_is_no_emitter_is_said_in_one_line() {
     );
     bench.fail(1, "light --emitters missing.json --for baked.glb -o x.npz");
 }
+
+#[test]
+fn a_papers_table_is_measured_on_any_mesh() {
+    let bench = Bench::new();
+    bench.bake("baked.glb", "");
+    for table in ["4.1", "4.3"] {
+        let line = format!("reproduce sun2005 {table} --mesh baked.glb --samples 16");
+        let said = bench.succeed(&line).0;
+        for needle in ["[paper] theirs", "paper's method", "exact at every vertex"] {
+            assert!(said.contains(needle), "{said}");
+        }
+    }
+    let said = bench
+        .succeed("reproduce sun2005 4.4 --mesh baked.glb --samples 16 --picture four.png")
+        .1;
+    assert!(said.contains("wrote four.png"), "{said}");
+    bench.fail(
+        1,
+        "reproduce sun2005 4.1 --mesh baked.glb --picture four.gif",
+    );
+    bench.fail(2, "reproduce sun2005 4.9 --mesh baked.glb");
+    bench.fail(2, "reproduce sun1905 4.1 --mesh baked.glb");
+}
