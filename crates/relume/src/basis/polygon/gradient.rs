@@ -30,8 +30,9 @@ impl PolygonHarmonics {
     /// Adds the derivatives of [`PolygonHarmonics::add`] by the place of the point that sees the polygon: `gradient[axis · order² + i]`, per metre.
     ///
     /// Only the outline matters: an edge at distance r with the inward unit normal ν of its plane moves across directions at the speed ν/r, so the gradient is
-    /// Σ_edges ν ∫ Y_i(ω) / r ds [arvo1994]. Along an arc 1/r is ω·[`line_of`], and all is a trigonometric polynomial, which Gauss points integrate
-    /// to rounding. `lines` has an entry for each edge, from its corner to the next; they are those of the corners unless the outline is that of something else.
+    /// Σ_edges ν ∫ Y_i(ω) / r ds [arvo1994]. `lines` has an entry for each edge, from its corner to the next: f / |f|², f the point of the edge's line that is
+    /// nearest to the origin, so that 1/r is ω·line along the arc. All is a trigonometric polynomial, which Gauss points integrate to rounding. Lines are those of
+    /// the corners unless the outline is that of something else, which stands before the polygon.
     pub fn add_gradient(
         &self,
         corners: &[DVec3],

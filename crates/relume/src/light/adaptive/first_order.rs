@@ -79,7 +79,7 @@ impl Responses {
 /// Samples light with gradients where vertices need them.
 ///
 /// The cluster with the largest error is cut first, while that exceeds ε (the cluster's share of the RMS error of vertex colours) and samples stay within the
-/// budget (at least one). Errors are those of a stand-in for the light ([`Lumps`]), so that nothing is sampled before all clusters are chosen: one sample, that is,
+/// budget (at least one). Errors are those of a stand-in for the light, a point light for each face, so that nothing is sampled before all clusters are chosen: one sample, that is,
 /// one evaluation of light at a point, for each that counts. The same for any number of threads.
 pub fn refine_first_order(
     hierarchy: &VertexHierarchy,
