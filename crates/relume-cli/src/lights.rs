@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use relume::asset::{self, Asset};
 use relume::basis::Order;
-use relume::light::emitter::{self, ClosedForm, Placed};
+use relume::light::emitter::{self, Placed};
 use relume::light::{EnvSpec, Environment, IncidentLight, ShLight, VertexLight};
 use relume::scene::World;
 use relume::shade::{self, SideRadiance};
@@ -119,7 +119,7 @@ pub fn open_emitters(path: &Path) -> Result<Placed, Failure> {
 /// Near light at every vertex.
 pub fn at_vertices(world: &World, placed: &Placed, order: Order) -> VertexLight {
     let spinner = progress::spinner("near light");
-    let light = emitter::light_at(&world.positions, placed, &ClosedForm::new(order));
+    let light = emitter::light_at_vertices(&world.positions, placed, order);
     spinner.finish_and_clear();
     light
 }

@@ -38,6 +38,8 @@ pub trait Lanes:
     fn store(self, to: &mut [f32]);
     /// The quotient.
     fn over(self, divisor: Self) -> Self;
+    /// The square root; not a number of what is negative.
+    fn sqrt(self) -> Self;
     /// `a < b ? a : b`.
     fn least(self, other: Self) -> Self;
     /// `a > b ? a : b`.
@@ -219,15 +221,16 @@ mod tests {
                     chosen,
                     both,
                     bits,
+                    a.sqrt(),
                 ]);
             }
             // By operation, then by lane: the same list whatever the width.
-            (0..9)
+            (0..10)
                 .flat_map(|op| {
                     results
                         .iter()
                         .skip(op)
-                        .step_by(9)
+                        .step_by(10)
                         .flatten()
                         .copied()
                         .collect::<Vec<_>>()
@@ -260,7 +263,7 @@ mod tests {
                 .collect()
         };
         let expected = bits(Level::PORTABLE);
-        assert_eq!(expected.len(), 9 * 144);
+        assert_eq!(expected.len(), 10 * 144);
         Level::here()
             .iter()
             .for_each(|&level| assert!(bits(level) == expected, "{level}"));

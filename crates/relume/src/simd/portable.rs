@@ -59,6 +59,10 @@ impl Lanes for F32x8 {
         self.zip(divisor, |a, b| a / b)
     }
     #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.map(f32::sqrt))
+    }
+    #[inline(always)]
     fn least(self, other: Self) -> Self {
         self.zip(other, |a, b| if a < b { a } else { b })
     }

@@ -62,7 +62,7 @@ pub struct Mask16(__mmask16);
 
 /// `Lanes` and the operators for a vector type, from its instructions.
 macro_rules! lanes {
-    ($name:ident, $mask:ident, $count:literal, $splat:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
+    ($name:ident, $mask:ident, $count:literal, $splat:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident,
      $min:ident, $max:ident, |$a:ident, $b:ident| $at_most:expr, $below:expr, |$m:ident, $yes:ident, $no:ident| $select:expr,
      |$some:ident| $load_some:expr, |$u:ident, $v:ident| { $($distance:literal => $even:expr, $odd:expr;)* } $($more:item)*) => {
         impl Lanes for $name {
@@ -103,6 +103,11 @@ macro_rules! lanes {
             fn over(self, divisor: Self) -> Self {
                 // SAFETY: this type exists only where its instructions do.
                 Self(unsafe { $div(self.0, divisor.0) })
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                // SAFETY: this type exists only where its instructions do.
+                Self(unsafe { $sqrt(self.0) })
             }
             #[inline(always)]
             fn least(self, other: Self) -> Self {
@@ -173,6 +178,7 @@ lanes!(
     _mm256_sub_ps,
     _mm256_mul_ps,
     _mm256_div_ps,
+    _mm256_sqrt_ps,
     _mm256_min_ps,
     _mm256_max_ps,
     |a, b| _mm256_cmp_ps::<_CMP_LE_OQ>(a, b),
@@ -201,6 +207,7 @@ lanes!(
     _mm512_sub_ps,
     _mm512_mul_ps,
     _mm512_div_ps,
+    _mm512_sqrt_ps,
     _mm512_min_ps,
     _mm512_max_ps,
     |a, b| _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b),

@@ -11,7 +11,7 @@ use super::placed::Shine;
 use super::sample::{Incident, LightGradient, Sampler};
 use super::views::Views;
 use super::visible::{Corner, View};
-use super::{MAX_EXPONENT, Placed, PlacedPolygon, PlacedSphere};
+use super::{MAX_EXPONENT, Placed, PlacedSphere};
 use crate::basis::{Order, PolygonHarmonics, PolygonWork, Product, Zonal};
 
 /// Samples emitters in closed form.
@@ -79,7 +79,7 @@ impl Sampler for ClosedForm {
     }
 
     fn sample(&self, placed: &Placed, at: DVec3) -> Incident {
-        self.sum(placed, at, None).0
+        self.sum(placed, at, &|_| false, None).0
     }
 }
 
@@ -87,14 +87,25 @@ impl ClosedForm {
     /// Incident light and its gradient by the place of the point [annen2004]; of spheres that something hides, as if nothing did.
     pub fn sample_with_gradient(&self, placed: &Placed, at: DVec3) -> (Incident, LightGradient) {
         let none = LightGradient::none(self.order);
-        let (incident, gradient) = self.sum(placed, at, Some(none));
+        let (incident, gradient) = self.sum(placed, at, &|_| false, Some(none));
         (incident, gradient.expect("as given"))
+    }
+
+    /// Incident light of all but the polygons that `left_out` names, which hide others all the same.
+    pub(super) fn sample_without(
+        &self,
+        placed: &Placed,
+        at: DVec3,
+        left_out: &dyn Fn(usize) -> bool,
+    ) -> Incident {
+        self.sum(placed, at, left_out, None).0
     }
 
     fn sum(
         &self,
         placed: &Placed,
         at: DVec3,
+        left_out: &dyn Fn(usize) -> bool,
         gradient: Option<LightGradient>,
     ) -> (Incident, Option<LightGradient>) {
         let holds = |s: &&PlacedSphere| s.centre.distance(at) <= s.radius;
@@ -111,9 +122,9 @@ impl ClosedForm {
                 sum.add_sphere(sphere, view, at);
             }
         }
-        for (polygon, view) in placed.polygons.iter().zip(&views.polygons) {
-            if let Some(view) = view {
-                sum.add_polygon(placed, polygon, view, at);
+        for (i, view) in views.polygons.iter().enumerate() {
+            if let Some(view) = view.as_ref().filter(|_| !left_out(i)) {
+                sum.add_polygon(placed, i, view, at);
             }
         }
         if let Some(sphere) = around {
@@ -158,12 +169,20 @@ impl Sum<'_> {
         }
     }
 
-    fn add_polygon(&mut self, placed: &Placed, polygon: &PlacedPolygon, view: &View, at: DVec3) {
+    fn add_polygon(&mut self, placed: &Placed, index: usize, view: &View, at: DVec3) {
+        let polygon = &placed.polygons[index];
         let front = polygon.normal.dot(view.normal) > 0.0;
         if !front && !polygon.two_sided {
             return;
         }
-        let before = self.views.before(view);
+        let occluders = &placed.occluders()[index];
+        let others = if front {
+            &occluders.before
+        } else {
+            &occluders.behind
+        };
+        let others = others.iter().map(|&i| i as usize);
+        let before = self.views.before(view, others);
         let mut room = self.room(polygon.exponent);
         match &polygon.shine {
             Shine::Uniform(rgb) => self.add_part(view, &before, *rgb, &mut room),
@@ -233,7 +252,7 @@ impl Sum<'_> {
     fn add_sphere(&mut self, sphere: &PlacedSphere, view: &View, at: DVec3) {
         let toward = sphere.centre - at;
         let whole = Cap::new(sphere.radius, toward.length());
-        let before = self.views.before(view);
+        let before = self.views.before(view, 0..self.views.polygons.len());
         if before.is_empty() {
             let lobe = Zonal::disc(self.form.order, whole.half_angle).toward(toward.normalize());
             self.incident.add(&lobe, sphere.radiance);

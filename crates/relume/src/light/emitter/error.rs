@@ -98,7 +98,7 @@ pub fn check(emitter: &Emitter) -> Result<(), EmitterError> {
 /// Refuses what is no rotation, uniform scale and translation.
 pub fn check_pose(name: &str, pose: &DAffine3) -> Result<(), EmitterError> {
     let matrix = pose.matrix3;
-    let scale = matrix.determinant().cbrt();
+    let scale = libm::cbrt(matrix.determinant());
     let fits = scale > 1e-9
         && scale < 1e9
         && pose.translation.is_finite()

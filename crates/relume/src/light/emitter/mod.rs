@@ -9,7 +9,10 @@
 mod closed_form;
 mod cube_map;
 mod error;
+mod exact;
+mod exact_kernel;
 mod file;
+mod occluders;
 mod pattern;
 mod placed;
 mod sample;
@@ -28,6 +31,7 @@ use super::HdrImage;
 pub use closed_form::ClosedForm;
 pub use cube_map::CubeMap;
 pub use error::EmitterError;
+pub use exact::light_at_vertices;
 pub use file::{EmitterFileError, EntryError, from_json, load};
 pub use placed::{EmitterHit, Placed, PlacedPolygon, PlacedSphere};
 pub use sample::{Incident, LightGradient, Sampler, light_at};

@@ -99,7 +99,10 @@ fn depth(emitter: &Emitter, corners: [u32; 3]) -> u32 {
     let size = Vec2::new(image.width() as f32, image.height() as f32);
     let [a, b, c] = corners.map(|i| mesh.uvs[i as usize] * size);
     let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
-    (2.0 * longest).max(1.0).log2().ceil().min(DEEPEST as f32) as u32
+    // The first power of two that is no less.
+    (0..DEEPEST)
+        .find(|&depth| (1_u32 << depth) as f32 >= 2.0 * longest)
+        .unwrap_or(DEEPEST)
 }
 
 fn fill(

@@ -1,10 +1,11 @@
 //! Emitters where they stand, as convex polygons and spheres in the world.
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
+use super::occluders::{Occluders, occluders};
 use super::pattern::{Cells, radiance};
 use super::shapes::area_vector;
 use super::{Emitter, EmitterMesh, Emitters, Pattern, Shape};
@@ -12,12 +13,12 @@ use super::{Emitter, EmitterMesh, Emitters, Pattern, Shape};
 /// All faces of all emitters in the world, for a frame.
 #[derive(Clone, Debug, Default)]
 pub struct Placed {
-    /// Faces.
-    pub polygons: Vec<PlacedPolygon>,
-    /// Spheres.
-    pub spheres: Vec<PlacedSphere>,
+    pub(crate) polygons: Vec<PlacedPolygon>,
+    pub(crate) spheres: Vec<PlacedSphere>,
     corners: Vec<DVec3>,
     sources: Vec<Emitter>,
+    /// Found when they are first asked for.
+    occluders: OnceLock<Vec<Occluders>>,
 }
 
 /// A flat convex face.
@@ -91,7 +92,7 @@ impl Placed {
                     placed.spheres.push(PlacedSphere {
                         emitter: index,
                         centre: pose.translation,
-                        radius: radius * pose.matrix3.determinant().cbrt(),
+                        radius: radius * libm::cbrt(pose.matrix3.determinant()),
                         radiance,
                         two_sided: emitter.two_sided,
                     });
@@ -154,6 +155,21 @@ impl Placed {
             shine,
             corners: first..self.corners.len(),
         });
+    }
+
+    /// All faces.
+    pub fn polygons(&self) -> &[PlacedPolygon] {
+        &self.polygons
+    }
+
+    /// All spheres.
+    pub fn spheres(&self) -> &[PlacedSphere] {
+        &self.spheres
+    }
+
+    /// For each polygon, the others that may hide some of it.
+    pub(super) fn occluders(&self) -> &[Occluders] {
+        self.occluders.get_or_init(|| occluders(self))
     }
 
     /// Corners of a polygon, counter-clockwise seen from the side that shines.
@@ -229,7 +245,7 @@ impl Placed {
         if cosine <= 0.0 && !polygon.two_sided {
             return [0.0; 3];
         }
-        let falloff = cosine.abs().powi(polygon.exponent as i32) as f32;
+        let falloff = (0..polygon.exponent).fold(1.0, |power, _| power * cosine.abs()) as f32;
         self.radiance_at(polygon, point).map(|x| x * falloff)
     }
 

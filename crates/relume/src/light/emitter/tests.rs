@@ -2,6 +2,7 @@
 
 use super::*;
 
+mod exact;
 mod samplers;
 
 pub fn of(shape: Shape, pattern: Pattern) -> Emitter {

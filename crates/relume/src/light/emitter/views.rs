@@ -35,10 +35,13 @@ impl Views {
         }
     }
 
-    /// What stands before `view`, one of these: convex polygons, counter-clockwise as the point sees them.
-    pub fn before(&self, view: &View) -> Vec<Vec<Corner>> {
-        let all = self.polygons.iter().chain(&self.spheres).flatten();
-        all.filter(|other| !std::ptr::eq(*other, view))
+    /// What of the polygons with these numbers, and of spheres, stands before `view`: convex polygons, counter-clockwise as the point sees them.
+    pub fn before(&self, view: &View, polygons: impl Iterator<Item = usize>) -> Vec<Vec<Corner>> {
+        let polygons = polygons.filter_map(|i| self.polygons[i].as_ref());
+        let spheres = self.spheres.iter().flatten();
+        let others = spheres.filter(|other| !std::ptr::eq(*other, view));
+        polygons
+            .chain(others)
             .filter_map(|other| view.hidden_by(other))
             .collect()
     }

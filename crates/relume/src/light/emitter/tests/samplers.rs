@@ -8,22 +8,22 @@ use super::*;
 use crate::basis::{Order, Rotation, sh};
 use crate::light::emitter::{ClosedForm, CubeMap, Incident, Sampler};
 
-fn order(n: usize) -> Order {
+pub fn order(n: usize) -> Order {
     Order::new(n).unwrap()
 }
 
-fn at(emitter: Emitter, position: [f64; 3], turn: DQuat) -> Emitter {
+pub fn at(emitter: Emitter, position: [f64; 3], turn: DQuat) -> Emitter {
     Emitter {
         world_from_emitter: DAffine3::from_rotation_translation(turn, position.into()),
         ..emitter
     }
 }
 
-fn uniform(mesh: EmitterMesh, radiance: [f32; 3]) -> Emitter {
+pub fn uniform(mesh: EmitterMesh, radiance: [f32; 3]) -> Emitter {
     of(Shape::Mesh(mesh), Pattern::Uniform(radiance))
 }
 
-fn all(emitters: Vec<Emitter>) -> Placed {
+pub fn all(emitters: Vec<Emitter>) -> Placed {
     Emitters::new(emitters).unwrap().placed()
 }
 
