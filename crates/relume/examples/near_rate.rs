@@ -20,7 +20,7 @@ const RUNS: u32 = 7;
 fn main() -> Result<(), Box<dyn Error>> {
     println!("vertices  panels  order    ms a frame  vertices/ms  against one vertex at a time");
     for vertices in [10_000, 50_000] {
-        let positions = spiral(vertices);
+        let positions = spiral(vertices, 0.01);
         for panels in [1, 16, 64] {
             for order in [4, 5] {
                 let order = Order::new(order)?;
@@ -53,11 +53,11 @@ fn best<T>(work: impl Fn() -> T) -> f64 {
     (0..RUNS).map(one).fold(f64::INFINITY, f64::min)
 }
 
-/// Points on the unit sphere, neighbours one after the other.
-fn spiral(count: usize) -> Vec<Vec3> {
+/// Points on the unit sphere from pole to pole, each `turn` radians on from the last.
+fn spiral(count: usize, turn: f64) -> Vec<Vec3> {
     let point = |i: usize| {
         let y = 1.0 - 2.0 * (i as f64 + 0.5) / count as f64;
-        let (sin, cos) = (i as f64 * 0.01).sin_cos();
+        let (sin, cos) = (i as f64 * turn).sin_cos();
         let r = (1.0 - y * y).sqrt();
         DVec3::new(r * cos, y, r * sin).as_vec3()
     };
@@ -66,18 +66,22 @@ fn spiral(count: usize) -> Vec<Vec3> {
 
 /// Panels on a sphere of twice the radius, that face the middle.
 fn around(count: usize) -> Result<Placed, Box<dyn Error>> {
-    let side = 2.0 / (count as f64).sqrt();
-    let emitters = spiral(count).into_iter().enumerate().map(|(i, at)| {
-        let at = at.as_dvec3() * 2.0;
-        let turn = DQuat::from_rotation_arc(DVec3::Z, -at.normalize());
-        Emitter {
-            name: format!("panel {i}"),
-            shape: Shape::Mesh(EmitterMesh::quad(side, side)),
-            pattern: Pattern::Uniform([1.0, 0.8, 0.6]),
-            two_sided: false,
-            exponent: 0,
-            world_from_emitter: DAffine3::from_rotation_translation(turn, at),
-        }
-    });
+    let side = 1.5 / (count as f64).sqrt();
+    // The golden angle keeps them apart.
+    let emitters = spiral(count, 2.399_963)
+        .into_iter()
+        .enumerate()
+        .map(|(i, at)| {
+            let at = at.as_dvec3() * 2.0;
+            let turn = DQuat::from_rotation_arc(DVec3::Z, -at.normalize());
+            Emitter {
+                name: format!("panel {i}"),
+                shape: Shape::Mesh(EmitterMesh::quad(side, side)),
+                pattern: Pattern::Uniform([1.0, 0.8, 0.6]),
+                two_sided: false,
+                exponent: 0,
+                world_from_emitter: DAffine3::from_rotation_translation(turn, at),
+            }
+        });
     Ok(Emitters::new(emitters.collect())?.placed())
 }

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec3};
 
 use super::exact_kernel::{Face, Faces, MOST_ORDER};
+use super::occluders::Ball;
 use super::placed::Shine;
 use super::{ClosedForm, Placed, PlacedPolygon};
 use crate::basis::{Order, gauss_legendre};
@@ -33,7 +34,12 @@ pub(super) fn light_with(
     order: Order,
 ) -> VertexLight {
     let count = order.count();
-    let is_plain = |i: usize| order.get() <= MOST_ORDER && is_plain(placed, i);
+    let ball = Ball::around(positions.iter().map(|p| p.as_dvec3()));
+    let small = order.get() <= MOST_ORDER && !positions.is_empty();
+    let flags = parallel::map(placed.polygons.len(), |i| {
+        small && is_plain(placed, i, &ball)
+    });
+    let is_plain = |i: usize| flags[i];
     let (plain, others): (Vec<usize>, Vec<usize>) =
         (0..placed.polygons.len()).partition(|&i| is_plain(i));
     let faces: Vec<Face> = plain
@@ -65,15 +71,16 @@ pub(super) fn light_with(
     VertexLight::new(order, coefficients)
 }
 
-/// Whether a polygon is of one radiance, diffuse, and seen whole from everywhere.
-fn is_plain(placed: &Placed, index: usize) -> bool {
+/// Whether a polygon is of one radiance, diffuse, and seen whole from everywhere in the ball.
+fn is_plain(placed: &Placed, index: usize, ball: &Ball) -> bool {
     let polygon = &placed.polygons[index];
     let occluders = &placed.occluders()[index];
+    let hides = |other: &u32| ball.may_lose(polygon, &placed.polygons[*other as usize]);
     matches!(polygon.shine, Shine::Uniform(_))
         && polygon.exponent == 0
         && placed.spheres.is_empty()
-        && occluders.before.is_empty()
-        && (!polygon.two_sided || occluders.behind.is_empty())
+        && !occluders.before.iter().any(hides)
+        && !(polygon.two_sided && occluders.behind.iter().any(hides))
 }
 
 /// What the kernel takes of a polygon; `None` of a black one.

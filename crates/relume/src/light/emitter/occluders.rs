@@ -1,6 +1,8 @@
 //! Which faces may ever hide which, wherever they are seen from: so that a point asks few of them.
 
-use super::Placed;
+use glam::DVec3;
+
+use super::{Placed, PlacedPolygon};
 use crate::parallel;
 
 /// As a share of the faces' sizes: what lies that close to a plane lies in it.
@@ -41,4 +43,42 @@ pub fn occluders(placed: &Placed) -> Vec<Occluders> {
         }
         found
     })
+}
+
+/// A ball that holds some points.
+#[derive(Clone, Copy, Debug)]
+pub struct Ball {
+    pub centre: DVec3,
+    pub radius: f64,
+}
+
+impl Ball {
+    /// About the middle of the points' box.
+    pub fn around(points: impl Iterator<Item = DVec3> + Clone) -> Self {
+        let low = points.clone().fold(DVec3::INFINITY, DVec3::min);
+        let high = points.clone().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let centre = 0.5 * (low + high);
+        let radius = points.map(|p| p.distance(centre)).fold(0.0, f64::max);
+        Self { centre, radius }
+    }
+
+    /// Whether `other` may hide some of `face` from a point of the ball: whether it reaches into the hull of the ball and of one about the face.
+    pub fn may_lose(&self, face: &PlacedPolygon, other: &PlacedPolygon) -> bool {
+        // How far the other's middle is outside the ball at a share of the way; convex, so thirds find where it is least.
+        let outside = |share: f64| {
+            let middle = self.centre.lerp(face.centre, share);
+            let radius = self.radius + (face.radius - self.radius) * share;
+            other.centre.distance(middle) - radius
+        };
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..40 {
+            let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+            if outside(a) < outside(b) {
+                high = b;
+            } else {
+                low = a;
+            }
+        }
+        outside(low).min(outside(high)) <= other.radius * (1.0 + 1e-9)
+    }
 }

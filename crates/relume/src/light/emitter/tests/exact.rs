@@ -130,3 +130,27 @@ fn nothing_shines_on_nothing() {
     let dark = light_at_vertices(&positions(), &all(vec![]), order(4));
     assert!(dark.coefficients(7).iter().all(|rgb| *rgb == [0.0; 3]));
 }
+
+#[test]
+fn only_what_stands_between_can_hide() {
+    use crate::light::emitter::occluders::Ball;
+    let ball = Ball::around([DVec3::splat(-1.0), DVec3::splat(1.0)].into_iter());
+    assert!((ball.radius - 3.0_f64.sqrt()).abs() < 1e-12);
+    let panel = |z: f64, x: f64| {
+        at(
+            uniform(EmitterMesh::quad(1.0, 1.0), [1.0; 3]),
+            [x, 0.0, z],
+            DQuat::IDENTITY,
+        )
+    };
+    let placed = all(vec![
+        panel(-6.0, 0.0),
+        panel(-4.0, 0.0),
+        panel(-4.0, 4.0),
+        panel(-9.0, 0.0),
+    ]);
+    let faces = placed.polygons();
+    assert!(ball.may_lose(&faces[0], &faces[1]), "between");
+    assert!(!ball.may_lose(&faces[0], &faces[2]), "aside");
+    assert!(!ball.may_lose(&faces[0], &faces[3]), "beyond");
+}
