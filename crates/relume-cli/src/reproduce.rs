@@ -3,6 +3,7 @@
 mod lights;
 mod sun2005;
 
+use std::cell::RefCell;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -68,7 +69,7 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Failure> {
             epsilon = measured.row(row).or(epsilon);
         }
         if panels.is_empty() {
-            panels.clone_from(&measured.shown.borrow());
+            panels = measured.shown.borrow().iter().flatten().cloned().collect();
         }
     }
     if let Some(path) = &args.picture {
@@ -132,7 +133,7 @@ impl<'a> Subject<'a> {
             exact_seconds,
             truth,
             brightest: f64::from(brightest),
-            shown: std::cell::RefCell::new(vec![exact]),
+            shown: RefCell::new([Some(exact), None, None, None]),
         }
     }
 
@@ -194,7 +195,7 @@ struct Measured<'a> {
     truth: Vec<[f32; 3]>,
     brightest: f64,
     /// The truth, and of each method what it made of the fewest samples.
-    shown: std::cell::RefCell<Vec<VertexLight>>,
+    shown: RefCell<[Option<VertexLight>; 4]>,
 }
 
 impl Measured<'_> {
@@ -329,11 +330,9 @@ impl Measured<'_> {
     }
 
     /// Keeps the first of each method for the picture.
-    fn show(&self, light: VertexLight, place: usize) {
-        let mut shown = self.shown.borrow_mut();
-        if shown.len() == place {
-            shown.push(light);
-        }
+    fn show(&self, light: VertexLight, method: usize) {
+        let place = &mut self.shown.borrow_mut()[method];
+        place.get_or_insert(light);
     }
 
     fn rmse(&self, light: &VertexLight) -> f64 {

@@ -1,6 +1,6 @@
 //! Samples with gradients: fewer of them, placed where the colour of vertices needs them, and without steps as lights move.
 //!
-//! What is better than [`super::refine`] and [`super::reconstruct`]: a sample predicts light around it to first order [annen2004]; how wrong that is, a stand-in
+//! What is better than [`super::refine()`] and [`super::reconstruct()`]: a sample predicts light around it to first order [annen2004]; how wrong that is, a stand-in
 //! for the light tells before anything is sampled, as the cluster's own vertices shade it (those that reflect little, or look away, want little); the
 //! cluster with the largest error is cut first; and a sample that is hardly wanted has hardly any weight, so that none comes or goes with a jump.
 

@@ -7,7 +7,7 @@
 //! The hierarchy is made once for an object. Each frame it is walked from the root: light is sampled in the middle of a cluster of vertices, and where an
 //! oracle says that the cluster sees more than one light, in the middle of its halves too. A vertex then takes the samples in whose valid domain it lies.
 //!
-//! Beside it stands what it is compared with: [`lbg`] places samples evenly among the vertices, [`global_weights`] takes all of them at every vertex.
+//! Beside it stands what it is compared with: [`lbg()`] places samples evenly among the vertices, [`global_weights`] takes all of them at every vertex.
 
 mod first_order;
 mod hierarchy;

@@ -17,6 +17,7 @@ mod pattern;
 mod placed;
 mod sample;
 mod shapes;
+mod sphere;
 #[cfg(test)]
 mod tests;
 mod views;
