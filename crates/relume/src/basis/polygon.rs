@@ -25,7 +25,7 @@ pub use gradient::line_of;
 
 /// Below this angle (radians, from the middle to the farthest corner) edges nearly cancel, and Gauss points on the area are more precise.
 const SMALL: f64 = 0.04;
-/// Gauss points in each direction over a small triangle: at order 32 and [`SMALL`] they leave 1e-13.
+/// Gauss points in each direction over a small triangle: enough for order 32, of which no wave has more than half its length there.
 const POINTS: usize = 10;
 
 /// What it takes to integrate all harmonics up to an order over polygons.
@@ -100,6 +100,11 @@ impl PolygonHarmonics {
         self.order
     }
 
+    /// Factors from R_l^m to Y_lm, at l(l+1)/2 + m.
+    pub(crate) fn scales(&self) -> &[f64] {
+        &self.scales
+    }
+
     /// Room for [`PolygonHarmonics::add`].
     pub fn work(&self) -> PolygonWork {
         let count = triangular(self.order.get(), 0);
@@ -116,7 +121,7 @@ impl PolygonHarmonics {
     /// Adds `∫_P Y_i(ω) dω` to `integrals[i]`, i = l(l+1)+m, for the flat convex polygon with these corners seen from the origin, and gives its solid angle.
     ///
     /// Corners go counter-clockwise as the origin sees them (the other way round, all is negative); the origin is not in the polygon's plane, in which it
-    /// would see nothing. f64 throughout: relative to the largest of a degree, the error is about 1e-12, whatever the size of the polygon.
+    /// would see nothing. f64 throughout: the error is below 1e-10 of the largest integral, at orders 1…32 and for polygons of any size.
     pub fn add(&self, corners: &[DVec3], work: &mut PolygonWork, integrals: &mut [f64]) -> f64 {
         assert_eq!(
             integrals.len(),

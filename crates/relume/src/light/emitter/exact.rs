@@ -1,14 +1,12 @@
 //! Light of emitters at every vertex: closed form in f32 on vectors of vertices where nothing is hidden, [`ClosedForm`] where something is.
 
-use std::f64::consts::PI;
-
 use glam::{DVec3, Vec3};
 
 use super::exact_kernel::{Face, Faces, MOST_ORDER};
 use super::occluders::Ball;
 use super::placed::Shine;
 use super::{ClosedForm, Placed, PlacedPolygon};
-use crate::basis::{Order, gauss_legendre};
+use crate::basis::{Order, PolygonHarmonics, gauss_legendre};
 use crate::light::VertexLight;
 use crate::parallel;
 use crate::simd::Level;
@@ -46,6 +44,8 @@ pub(super) fn light_with(
         .iter()
         .filter_map(|&i| face(placed, &placed.polygons[i]))
         .collect();
+    let harmonics = PolygonHarmonics::new(order);
+    let scales: Vec<f32> = harmonics.scales().iter().map(|&x| x as f32).collect();
     let form = ClosedForm::new(order);
     let wants_form =
         !placed.spheres.is_empty() || others.iter().any(|&i| !placed.polygons[i].is_black());
@@ -54,6 +54,7 @@ pub(super) fn light_with(
         let here = &positions[block * BLOCK..][..rows.len() / count];
         level.run(Faces {
             order,
+            scales: &scales,
             faces: &faces,
             positions: here,
             rows: rows.as_flattened_mut(),
@@ -132,22 +133,4 @@ fn nodes(corners: &[DVec3]) -> Vec<(DVec3, f64)> {
         square().map(node).collect::<Vec<_>>()
     })
     .collect()
-}
-
-/// Factors from solid harmonics R_l^m to Y_lm, by l(l+1)/2 + m.
-pub(super) fn scales(order: usize) -> Vec<f32> {
-    let mut scales = Vec::new();
-    for l in 0..order {
-        let factorial: f64 = (1..=l).map(|k| k as f64).product();
-        let mut product = factorial * factorial;
-        for m in 0..=l {
-            if m > 0 {
-                product *= (l + m) as f64 / (l - m + 1) as f64;
-            }
-            let both = if m > 0 { 2.0 } else { 1.0 };
-            let square = both * (2 * l + 1) as f64 / (4.0 * PI);
-            scales.push((square * product).sqrt() as f32);
-        }
-    }
-    scales
 }

@@ -2,7 +2,6 @@
 
 use glam::{DVec3, Vec3};
 
-use super::exact::scales;
 use crate::basis::{Order, index, sh};
 use crate::simd::{Kernel, Lanes, Level, Mask};
 
@@ -32,6 +31,8 @@ pub struct Face {
 /// Adds up faces at some vertices.
 pub struct Faces<'a> {
     pub order: Order,
+    /// From solid harmonics R_l^m to Y_lm, at l(l+1)/2 + m.
+    pub scales: &'a [f32],
     pub faces: &'a [Face],
     pub positions: &'a [Vec3],
     /// `[vertices][order²][3]`.
@@ -50,7 +51,7 @@ impl Kernel for Faces<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let count = self.order.count();
-        let mut work = Work::<L>::new(self.order);
+        let mut work = Work::<L>::new(self.order, self.scales);
         let mut sums = vec![[L::splat(0.0); 3]; count];
         let groups = self.positions.chunks(L::COUNT).enumerate();
         for ((i, group), rows) in groups.zip(self.rows.chunks_mut(3 * count * L::COUNT)) {
@@ -85,9 +86,9 @@ impl Kernel for Faces<'_> {
 }
 
 /// Room for the integrals over one face.
-struct Work<L> {
+struct Work<'a, L> {
     n: usize,
-    scales: Vec<f32>,
+    scales: &'a [f32],
     evaluator: sh::Evaluator,
     /// Y_i at one point of the face.
     basis: Vec<f32>,
@@ -97,12 +98,12 @@ struct Work<L> {
     near: Vec<L>,
 }
 
-impl<L: Lanes> Work<L> {
+impl<'a, L: Lanes> Work<'a, L> {
     #[inline(always)]
-    fn new(order: Order) -> Self {
+    fn new(order: Order, scales: &'a [f32]) -> Self {
         Self {
             n: order.get(),
-            scales: scales(order.get()),
+            scales,
             evaluator: sh::Evaluator::with_level(order, Level::PORTABLE),
             basis: vec![0.0; order.count() * L::COUNT],
             values: vec![L::splat(0.0); order.count()],
