@@ -76,7 +76,7 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Failure> {
         let strip = subject.strip(&panels)?;
         strip.0.write(path, &strip.1)?;
         eprintln!(
-            "wrote {}: truth | LBG | paper's | ours, fewest samples",
+            "wrote {}: the truth, then LBG (where the table has it), the paper's and ours in the first rows",
             shown(path)
         );
     }
@@ -194,7 +194,7 @@ struct Measured<'a> {
     exact_seconds: f64,
     truth: Vec<[f32; 3]>,
     brightest: f64,
-    /// The truth, and of each method what it made of the fewest samples.
+    /// The truth, and of each method what it made in its first row.
     shown: RefCell<[Option<VertexLight>; 4]>,
 }
 

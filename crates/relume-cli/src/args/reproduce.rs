@@ -25,7 +25,7 @@ pub struct ReproduceArgs {
     /// The model, a scene (.gltf, .glb, .obj, .ply)
     #[arg(long, value_name = "FILE")]
     pub mesh: PathBuf,
-    /// A picture to write, .png: the truth, and what each method makes of the fewest samples
+    /// A picture to write, .png: the truth, and what each method makes of it in its first row
     #[arg(long, value_name = "FILE")]
     pub picture: Option<PathBuf>,
     /// Rays per vertex of the bake
