@@ -98,5 +98,8 @@ fn sampled(
     let form = ClosedForm::new(order);
     let positions = &world.positions;
     let samples = refine_first_order(&hierarchy, positions, &responses, &form, placed, options);
-    (reconstruct_first_order(&samples, positions), samples.len())
+    (
+        reconstruct_first_order(&samples, &hierarchy, positions),
+        samples.len(),
+    )
 }

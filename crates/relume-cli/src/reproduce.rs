@@ -222,15 +222,16 @@ impl Measured<'_> {
         let points = lbg(positions, count).points;
         let (samples, sampling) =
             timed(|| LightSamples::at(points, &self.subject.form, self.placed));
-        for b in [1.0, 2.0, 4.0] {
-            let (light, looped) = timed(|| global_weights(&samples, positions, b));
-            let (_, blocked) = timed(|| global_weights_blocked(&samples, positions, b));
+        let hierarchy = &self.subject.hierarchy;
+        for b in [1, 2, 4] {
+            let (light, looped) = timed(|| global_weights(&samples, positions, b.into()));
+            let (_, blocked) = timed(|| global_weights_blocked(&samples, hierarchy, positions, b));
             let rmse = self.rmse(&light);
             let name = format!("LBG, b = {b}, loop");
             print_row(&name, samples.len(), None, sampling, looped, rmse);
             let name = format!("LBG, b = {b}, blocked product");
             print_row(&name, samples.len(), None, sampling, blocked, rmse);
-            if b == 1.0 {
+            if b == 1 {
                 self.show(light, 1);
             }
         }
@@ -269,7 +270,8 @@ impl Measured<'_> {
         let (refined, sampling) =
             timed(|| refine(&subject.hierarchy, &subject.form, self.placed, &options));
         let samples = refined.samples;
-        let (light, seconds) = timed(|| reconstruct(&samples, &subject.world.positions));
+        let (light, seconds) =
+            timed(|| reconstruct(&samples, &subject.hierarchy, &subject.world.positions));
         let rmse = self.rmse(&light);
         print_row(
             "paper's method",
@@ -318,7 +320,8 @@ impl Measured<'_> {
                 &options,
             )
         });
-        let (light, reconstruction) = timed(|| reconstruct_first_order(&samples, positions));
+        let (light, reconstruction) =
+            timed(|| reconstruct_first_order(&samples, &subject.hierarchy, positions));
         Found {
             samples: samples.len(),
             epsilon: samples.epsilon,

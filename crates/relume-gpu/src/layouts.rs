@@ -93,6 +93,18 @@ pub struct GlossyVertex {
     pub backs: [u32; 3],
 }
 
+/// A corner of an emitter's triangle as the view pass of emitters reads it.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct LampVertex {
+    pub position: [f32; 3],
+    pub normal: [f32; 3],
+    /// Toward the normal.
+    pub radiance: [f32; 3],
+    /// The exponent of the cosine, and 1 where the back shines too.
+    pub shine: [f32; 2],
+}
+
 /// No back side.
 pub const NO_SIDE: u32 = u32::MAX;
 
@@ -113,6 +125,15 @@ impl GlossyVertex {
         attributes: &wgpu::vertex_attr_array![
             0 => Float32x3, 1 => Float32x2, 2 => Float32x4, 3 => Float32x3, 4 => Float32x4, 5 => Uint32x3, 6 => Uint32x3
         ],
+    };
+}
+
+impl LampVertex {
+    /// Attributes 0 to 3 of lamps.wgsl.
+    pub const LAYOUT: VertexBufferLayout<'static> = VertexBufferLayout {
+        array_stride: size_of::<Self>() as u64,
+        step_mode: VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x2],
     };
 }
 

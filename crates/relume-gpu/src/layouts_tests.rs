@@ -18,7 +18,9 @@ fn parsed(source: &str) -> naga::Module {
 fn every_shader_is_valid_without_any_extension() {
     let glossy = [1, 2, 5, 10].map(|n| source(Order::new(n).unwrap()));
     let plain = [RELIGHT, MATRICES, VIEW].into_iter();
-    for source in plain.chain(glossy.iter().map(String::as_str)) {
+    let lamps = crate::lamps::source();
+    let composed = glossy.iter().chain([&lamps]);
+    for source in plain.chain(composed.map(String::as_str)) {
         let validated =
             Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&parsed(source));
         if let Err(error) = validated {
@@ -105,6 +107,7 @@ fn structs_lie_as_the_shaders_read_them() {
     );
     assert_eq!(size_of::<Vertex>(), 40);
     assert_eq!(size_of::<GlossyVertex>(), 88);
+    assert_eq!(size_of::<LampVertex>(), 44);
 }
 
 #[test]

@@ -46,6 +46,7 @@ mod error;
 mod glossy;
 mod gpu;
 mod images;
+mod lamps;
 mod layouts;
 mod light;
 mod lobes;

@@ -4,13 +4,16 @@ use glam::DMat3;
 use relume::asset::Transfer;
 use relume::basis::Order;
 use relume::display::Camera;
+use relume::light::emitter::Placed;
 use relume::light::{Environment, IncidentLight};
 use relume::scene::World;
+use relume::shade::SideRadiance;
 use wgpu::{BindGroup, BindingResource, Buffer, Device, Queue, RenderPass};
 
 use crate::background::Background;
 use crate::glossy::{self, GlossyPass};
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, whole};
+use crate::lamps::Lamps;
 use crate::layouts::View;
 use crate::light::GpuLight;
 use crate::material::{self, GpuMaterial, Passes};
@@ -29,6 +32,7 @@ pub struct Renderer {
     glossy: GlossyPass,
     views: Ring,
     background: Option<Background>,
+    lamps: Option<Lamps>,
     scene: Option<Scene>,
 }
 
@@ -69,6 +73,7 @@ impl Renderer {
             gpu,
             view,
             background: None,
+            lamps: None,
             scene: None,
         }
     }
@@ -184,7 +189,8 @@ impl Renderer {
     }
 
     fn radiance_group(&self, transfer: &GpuTransfer) -> BindGroup {
-        let radiance = BindingResource::TextureView(&transfer.radiance);
+        let view = whole(&transfer.radiance);
+        let radiance = BindingResource::TextureView(&view);
         self.gpu
             .group("radiance", &self.view.radiance, [(0, radiance)])
     }
@@ -218,6 +224,30 @@ impl Renderer {
         let scene = self.scene.as_mut().ok_or(GpuError::NoScene)?;
         let light = GpuLight::new(&self.gpu, &mut self.relight, &scene.transfer, light)?;
         scene.light = Some(light);
+        Ok(())
+    }
+
+    /// Lights the scene with what was shaded elsewhere, in the place of a light: transferred radiance of each side, as of [`relume::shade::bounced`].
+    /// What surfaces of transfer matrices reflect stays as it was lit last.
+    ///
+    /// # Errors
+    /// No scene, or radiance of other sides.
+    pub fn set_radiance(&mut self, radiance: &SideRadiance) -> Result<(), GpuError> {
+        let scene = self.scene.as_mut().ok_or(GpuError::NoScene)?;
+        scene.transfer.write_radiance(&self.gpu, radiance)?;
+        scene.light = None;
+        Ok(())
+    }
+
+    /// Emitters that are seen where they stand; `None` takes them away. Their light is [`Self::set_light`]'s.
+    ///
+    /// # Errors
+    /// More triangles than fit a buffer of the device.
+    pub fn set_emitters(&mut self, placed: Option<&Placed>) -> Result<(), GpuError> {
+        let last = self.lamps.take();
+        let device = &self.gpu.device;
+        let lamps = placed.map(|placed| Lamps::new(device, &self.view, placed, last));
+        self.lamps = lamps.transpose()?;
         Ok(())
     }
 
@@ -266,6 +296,9 @@ impl Renderer {
         pass.set_bind_group(0, &self.views.bind_group, &[offset]);
         if let Some(scene) = &self.scene {
             self.draw_scene(pass, scene, look)?;
+        }
+        if let Some(lamps) = &self.lamps {
+            lamps.draw(pass);
         }
         if look.background
             && let Some(background) = &self.background

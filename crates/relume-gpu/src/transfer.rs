@@ -2,7 +2,8 @@
 
 use relume::asset::Transfer;
 use relume::basis::Order;
-use wgpu::{BindGroup, BindingResource, CommandEncoder, RenderPassTimestampWrites, TextureView};
+use relume::shade::SideRadiance;
+use wgpu::{BindGroup, BindingResource, CommandEncoder, RenderPassTimestampWrites, Texture};
 
 use crate::GpuError;
 use crate::gpu::{Gpu, whole};
@@ -22,7 +23,7 @@ pub struct GpuTransfer {
     pub vertices: usize,
     /// The vertex of each back side; these sides follow the fronts.
     pub backs: Vec<u32>,
-    pub radiance: TextureView,
+    pub radiance: Texture,
     pub matrices: Option<GpuMatrices>,
     parts: Vec<Part>,
 }
@@ -80,7 +81,7 @@ impl GpuTransfer {
             },
             vertices,
             backs: backs.to_vec(),
-            radiance: whole(&radiance),
+            radiance,
             matrices,
             parts,
         })
@@ -117,6 +118,33 @@ impl GpuTransfer {
         matrices.relight(encoder, layouts, light, end);
     }
 
+    /// Writes the radiance of every side as it is.
+    pub fn write_radiance(&self, gpu: &Gpu, radiance: &SideRadiance) -> Result<(), GpuError> {
+        let sides = [
+            ("radiances of vertices", radiance.front.len(), self.vertices),
+            (
+                "radiances of back sides",
+                radiance.back.len(),
+                self.backs.len(),
+            ),
+        ];
+        for (what, given, expected) in sides {
+            if given != expected {
+                return Err(GpuError::Mismatch {
+                    what,
+                    given,
+                    expected,
+                });
+            }
+        }
+        let sides = radiance.front.iter().chain(&radiance.back);
+        let mut texels: Vec<[f32; 4]> = sides.map(|&[r, g, b]| [r, g, b, 1.0]).collect();
+        let size = self.pages.width as usize * self.pages.height() as usize;
+        texels.resize(size, [0.0; 4]);
+        gpu.write_rows(&self.radiance, 0, bytemuck::cast_slice(&texels));
+        Ok(())
+    }
+
     fn relight_vectors(
         &self,
         encoder: &mut CommandEncoder,
@@ -127,7 +155,7 @@ impl GpuTransfer {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("relight"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &self.radiance,
+                view: &whole(&self.radiance),
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations {

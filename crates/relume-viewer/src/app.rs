@@ -4,18 +4,22 @@ use eframe::egui;
 use relume::bake::BakeOptions;
 use relume::display::Camera;
 use relume::light::Environment;
-use relume_gpu::{Look, MaterialEdit, Surface};
+use relume::shade::SideRadiance;
+use relume_gpu::{Look, MaterialEdit};
 use web_time::Instant;
 
 #[cfg(not(target_arch = "wasm32"))]
 use crate::baking::{Baking, Choices};
 use crate::content::{Content, Paths};
 use crate::frames::{Frame, Frames};
+use crate::gizmo::Gizmo;
 use crate::jobs::{Event, Jobs};
 use crate::lighting::Lighting;
 use crate::messages::Messages;
 use crate::navigation::Navigation;
+use crate::near::{Arriving, Near};
 use crate::panels;
+use crate::relight::Report;
 use crate::source::Source;
 use crate::stage::Stage;
 
@@ -26,6 +30,9 @@ pub struct Start {
     pub files: Vec<Source>,
     /// A light as on the command line.
     pub light: Option<String>,
+    /// Lights that stand near, as on the command line.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub emitters: Option<std::path::PathBuf>,
     /// The light's first turn about the vertical, degrees.
     pub turn: f64,
     /// In stops; `None` for the exposure that suits the scene.
@@ -44,6 +51,8 @@ impl Default for Start {
         Self {
             files: Vec::new(),
             light: None,
+            #[cfg(not(target_arch = "wasm32"))]
+            emitters: None,
             turn: 0.0,
             exposure: None,
             background: true,
@@ -62,6 +71,14 @@ pub struct Viewer {
     pub(crate) stage: Stage,
     pub(crate) content: Option<Content>,
     pub(crate) lighting: Option<Lighting>,
+    pub(crate) near: Near,
+    /// What near light keeps of the scene, once there is some.
+    pub(crate) arriving: Option<Arriving>,
+    /// What came of near light last.
+    pub(crate) report: Report,
+    /// What was shaded last on this side of the device.
+    pub(crate) lit: Option<SideRadiance>,
+    pub(crate) gizmo: Gizmo,
     pub(crate) navigation: Navigation,
     pub(crate) look: Look,
     pub(crate) paths: Paths,
@@ -78,9 +95,17 @@ pub struct Viewer {
     pub(crate) baking: Option<Baking>,
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) choices: Choices,
+    /// Whether direct light was asked for by someone who wants to see it.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) shadowed_wanted: bool,
+    /// Whether the scene's direct light was asked for near light's sake.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) direct_asked: bool,
     start: Start,
     /// Whether the light has to be computed and uploaded again.
     pub(crate) light_changed: bool,
+    /// Whether the next light finds its exposure.
+    pub(crate) exposure_due: bool,
 }
 
 impl Viewer {
@@ -99,10 +124,19 @@ impl Viewer {
             .unwrap_or_else(|| FIRST_LIGHT.to_owned());
         open_light(&jobs, light);
         start.files.iter().for_each(|file| jobs.open(file.clone()));
+        #[cfg(not(target_arch = "wasm32"))]
+        if let Some(path) = start.emitters.clone() {
+            jobs.run(move |teller| teller.read_emitters(&Source::Path(path)));
+        }
         Ok(Self {
             stage,
             content: None,
             lighting: None,
+            near: Near::default(),
+            arriving: None,
+            report: Report::default(),
+            lit: None,
+            gizmo: Gizmo::default(),
             navigation: Navigation::new(Camera::framing(&Default::default(), 1.0)),
             look: Look {
                 exposure: start.exposure.unwrap_or(0.0),
@@ -121,8 +155,13 @@ impl Viewer {
             baking: None,
             #[cfg(not(target_arch = "wasm32"))]
             choices: Choices::default(),
+            #[cfg(not(target_arch = "wasm32"))]
+            shadowed_wanted: false,
+            #[cfg(not(target_arch = "wasm32"))]
+            direct_asked: false,
             start,
             light_changed: false,
+            exposure_due: false,
         })
     }
 
@@ -138,6 +177,12 @@ impl Viewer {
                 } => {
                     warnings.into_iter().for_each(|w| self.messages.note(w));
                     self.take_light(name, *environment);
+                }
+                Event::Emitters { emitters, warnings } => {
+                    warnings.into_iter().for_each(|w| self.messages.note(w));
+                    self.near.replace(&emitters);
+                    self.light_changed = true;
+                    self.suit_exposure();
                 }
                 Event::NotBaked(source) => self.take_model(&source),
                 #[cfg(not(target_arch = "wasm32"))]
@@ -158,7 +203,10 @@ impl Viewer {
         self.baking = None;
         if let Some(content) = self.content.as_mut().filter(|c| c.name == of) {
             content.shadowed = Some(transfer);
-            self.show_paths(Paths::Shadowed);
+            self.light_changed = true;
+            if std::mem::take(&mut self.shadowed_wanted) {
+                self.show_paths(Paths::Shadowed);
+            }
         }
     }
 
@@ -166,6 +214,7 @@ impl Viewer {
         #[cfg(not(target_arch = "wasm32"))]
         {
             self.baking = None;
+            (self.shadowed_wanted, self.direct_asked) = (false, false);
         }
         self.paths = Paths::Baked;
         if let Err(error) = self.stage.upload(&mut content, self.paths) {
@@ -179,6 +228,7 @@ impl Viewer {
         let materials = content.world.materials.iter();
         self.materials = materials.map(MaterialEdit::from).collect();
         self.content = Some(content);
+        (self.arriving, self.lit) = (None, None);
         self.light_changed = true;
         self.suit_exposure();
     }
@@ -234,6 +284,17 @@ impl Viewer {
         self.baking = Some(Baking::start(&self.jobs, subject, self.choices));
     }
 
+    /// Bakes the scene's direct light in the background.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn bake_direct(&mut self) {
+        if let Some(content) = &self.content {
+            let world = std::sync::Arc::clone(&content.world);
+            let options = content.direct_options();
+            let subject = crate::baking::Subject::Direct(content.name.clone(), world, options);
+            self.bake(subject);
+        }
+    }
+
     /// Shows other light paths, where their transfer is there.
     pub(crate) fn show_paths(&mut self, paths: Paths) {
         let Some(content) = &mut self.content else {
@@ -248,45 +309,15 @@ impl Viewer {
 
     /// The exposure that shows the scene in middle grey, unless one was asked for.
     fn suit_exposure(&mut self) {
-        if self.start.exposure.is_none() {
-            self.auto_exposure();
-        }
-    }
-
-    /// The exposure that brings the mean of the vertices to middle grey.
-    pub(crate) fn auto_exposure(&mut self) {
-        if let (Some(content), Some(lighting)) = (&self.content, &self.lighting) {
-            self.look.exposure = crate::exposure::suitable(content, &lighting.incident().0);
-        }
-    }
-
-    /// Uploads the light if it has changed.
-    fn relight(&mut self) {
-        let (Some(_), Some(lighting)) = (&self.content, &self.lighting) else {
-            return;
-        };
-        if !std::mem::take(&mut self.light_changed) {
-            return;
-        }
-        let (light, problem) = lighting.incident();
-        self.messages.standing("window", problem);
-        self.look.world_from_light = lighting.turn();
-        self.look.surface = match (lighting.coefficient, self.look.surface) {
-            (Some(_), _) => Surface::Signed,
-            (None, Surface::Signed) => Surface::Shaded,
-            (None, other) => other,
-        };
-        match self.stage.set_light(light) {
-            Ok(()) => self.frames.relights += 1,
-            Err(error) => self.messages.error(error.to_string()),
-        }
+        self.exposure_due = self.start.exposure.is_none();
     }
 
     /// The picture in the middle, and what is done to it with pointer and keys.
     fn picture(&mut self, ui: &mut egui::Ui, begun: Instant) {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
-        panels::pointer::handle(self, ui, &response);
+        let held = panels::overlay::handle(self, ui, &response);
+        panels::pointer::handle(self, ui, &response, held);
         self.relight();
         let scale = ui.ctx().pixels_per_point();
         let pixels = |points: f32| (points * scale).round().max(1.0) as u32;
@@ -300,6 +331,7 @@ impl Viewer {
             }
             Err(error) => self.messages.standing("draw", Some(error.to_string())),
         }
+        panels::overlay::paint(self, ui, rect);
         let gpu = self.stage.times();
         self.frames.push(Frame {
             cpu: begun.elapsed().as_secs_f32(),
@@ -314,7 +346,13 @@ impl Viewer {
     #[cfg(not(target_arch = "wasm32"))]
     fn first_screenshot(&mut self, context: &egui::Context) {
         // The first frames find their size.
-        let ready = self.content.is_some() && self.lighting.is_some() && self.frames.relights > 0;
+        let lamps = self.start.emitters.is_none() || !self.near.is_empty();
+        let baked = self.near.is_empty() || self.content.as_ref().is_some_and(Content::has_direct);
+        let ready = self.content.is_some()
+            && self.lighting.is_some()
+            && lamps
+            && baked
+            && self.frames.relights > 0;
         if self.start.screenshot.is_none() {
             return;
         }

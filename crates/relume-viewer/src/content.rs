@@ -2,12 +2,16 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use relume::asset::{self, Asset, AssetError, Transfer, TransferKind};
 use relume::bake::{BakeOptions, Monitor, bake};
 use relume::files::printable;
 use relume::scene::World;
 
 use crate::source::{MAX_BYTES, Source};
+
+/// The most vertices whose gather operator is baked beside direct light: it holds what every ray of a vertex hits.
+const MOST_GATHERED: usize = 20_000;
 
 /// A baked scene, ready to be drawn.
 pub struct Content {
@@ -78,7 +82,7 @@ impl Content {
     pub fn transfer(&mut self, paths: Paths) -> Option<&Transfer> {
         match paths {
             Paths::Baked => Some(&self.asset.transfer),
-            Paths::Shadowed if self.bounces() == Some(0) => Some(&self.asset.transfer),
+            Paths::Shadowed if !matches!(self.bounces(), Some(1..)) => Some(&self.asset.transfer),
             Paths::Shadowed => self.shadowed.as_ref(),
             Paths::Unshadowed => {
                 if self.unshadowed.is_none() {
@@ -86,6 +90,34 @@ impl Content {
                 }
                 self.unshadowed.as_ref()
             }
+        }
+    }
+
+    /// Whether there is transfer of direct light, as near light needs it.
+    pub fn has_direct(&self) -> bool {
+        self.shadowed.is_some() || !matches!(self.bounces(), Some(1..))
+    }
+
+    /// The transfer of direct light; without shadows as long as there is none with them.
+    pub fn direct(&mut self) -> Option<&Transfer> {
+        match self.has_direct() {
+            true => self.transfer(Paths::Shadowed),
+            false => self.transfer(Paths::Unshadowed),
+        }
+    }
+
+    /// The middle of all vertices, and how far they are from there.
+    pub fn bounds(&self) -> (DVec3, f64) {
+        let at = || self.world.positions.iter().map(|p| p.as_dvec3());
+        let low = at().fold(DVec3::INFINITY, DVec3::min);
+        let high = at().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let centre = 0.5 * (low + high);
+        match centre.is_finite() {
+            true => (
+                centre,
+                at().map(|p| p.distance(centre)).fold(1e-3, f64::max),
+            ),
+            false => (DVec3::ZERO, 1.0),
         }
     }
 
@@ -98,6 +130,7 @@ impl Content {
             samples: transfer.samples.max(1),
             seed: transfer.seed,
             bounces: 0,
+            gather: transfer.matrices.is_none() && transfer.vertex_count() <= MOST_GATHERED,
             transfer_order: transfer.matrices.as_ref().map(|matrices| matrices.order),
             ..BakeOptions::default()
         }

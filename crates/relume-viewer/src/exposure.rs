@@ -1,14 +1,26 @@
 //! The exposure that suits a scene.
 
 use relume::light::{IncidentLight, ShLight};
-use relume::shade;
+use relume::shade::{self, SideRadiance};
 
 use crate::content::Content;
 
-/// Stops that bring the mean luminance of the vertices to middle grey; 0 where nothing is lit.
+/// Stops that bring the mean luminance of the vertices under a distant light to middle grey; 0 where nothing is lit.
 pub fn suitable(content: &Content, light: &ShLight) -> f32 {
     let light = IncidentLight::Distant(light.clone());
-    let radiance = shade::radiance(&content.world, &content.asset.transfer, &light);
+    of(&shade::radiance(
+        &content.world,
+        &content.asset.transfer,
+        &light,
+    ))
+}
+
+/// [`suitable`] where transferred radiance is known.
+pub fn of_sides(content: &Content, sides: &SideRadiance) -> f32 {
+    of(&shade::times_albedo(&content.world, sides.front.clone()))
+}
+
+fn of(radiance: &[[f32; 3]]) -> f32 {
     let luminance = |&[r, g, b]: &[f32; 3]| f64::from(0.2126 * r + 0.7152 * g + 0.0722 * b);
     let sum: f64 = radiance
         .iter()

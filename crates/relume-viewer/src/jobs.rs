@@ -1,10 +1,13 @@
 //! Work beside the drawing: reading files, and what comes of it.
 
+use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use eframe::egui;
 #[cfg(not(target_arch = "wasm32"))]
 use relume::asset::Transfer;
+use relume::files::printable;
+use relume::light::emitter::{self, Emitters};
 use relume::light::{self, Environment, LayoutChoice, LightOptions};
 
 use crate::content::Content;
@@ -20,6 +23,13 @@ pub enum Event {
         name: String,
         /// The light.
         environment: Box<Environment>,
+        /// Single lines.
+        warnings: Vec<String>,
+    },
+    /// Lights that stand near, with what a person should know about them.
+    Emitters {
+        /// The lights.
+        emitters: Box<Emitters>,
         /// Single lines.
         warnings: Vec<String>,
     },
@@ -65,8 +75,15 @@ impl Teller {
         self.tell(match source.kind() {
             Kind::Asset => read_scene(source),
             Kind::Model => Event::NotBaked(source.clone()),
+            Kind::Light if lists_emitters(source) => emitters(source),
             Kind::Light => read_light(source),
         });
+    }
+
+    /// Reads lights that stand near: an emitters.json, or what is emissive of a glTF.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn read_emitters(&self, source: &Source) {
+        self.tell(emitters(source));
     }
 
     /// Makes the light that `spec` names, as on the command line.
@@ -126,6 +143,39 @@ fn read_scene(source: &Source) -> Event {
     match Content::read(source) {
         Ok(Some(content)) => Event::Scene(Box::new(content)),
         Ok(None) => Event::NotBaked(source.clone()),
+        Err(error) => Event::Failed(error),
+    }
+}
+
+/// Whether a file is an emitters.json, and no light.json.
+fn lists_emitters(source: &Source) -> bool {
+    if !source.name().to_ascii_lowercase().ends_with(".json") {
+        return false;
+    }
+    let read;
+    let bytes = match source {
+        Source::Bytes { bytes, .. } => bytes,
+        Source::Path(path) => {
+            read = std::fs::read(path).unwrap_or_default();
+            &read
+        }
+    };
+    let key = b"\"emitters\"";
+    bytes.windows(key.len()).any(|window| window == key)
+}
+
+fn emitters(source: &Source) -> Event {
+    let read = match source {
+        Source::Path(path) => emitter::load(path).map_err(|error| error.to_string()),
+        // Whatever is beside it, a browser does not show.
+        Source::Bytes { name, bytes } => emitter::from_json(bytes, Path::new(""))
+            .map_err(|error| format!("{}: {error}", printable(name))),
+    };
+    match read {
+        Ok((emitters, warnings)) => Event::Emitters {
+            emitters: Box::new(emitters),
+            warnings,
+        },
         Err(error) => Event::Failed(error),
     }
 }

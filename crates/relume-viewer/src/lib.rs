@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! Source ──jobs──▶ Content ┐
-//! EnvSpec ─jobs──▶ Lighting ┼─ app ──▶ Stage (relume-gpu) ──▶ picture ─┐
+//! EnvSpec ─jobs──▶ Lighting ┼─ relight ──▶ Stage (relume-gpu) ──▶ picture ─┐
+//! Emitters ─jobs─▶ Near     ┤                                              │
 //! pointer, keys ─▶ Navigation ┘                         panels ────────┴──▶ window or canvas
 //! ```
 #![cfg_attr(
@@ -18,11 +19,15 @@ mod exposure;
 mod files;
 mod frames;
 mod gallery;
+mod gizmo;
 mod jobs;
 mod lighting;
 mod messages;
 mod navigation;
+mod near;
 mod panels;
+mod projection;
+mod relight;
 mod screenshot;
 mod source;
 mod stage;

@@ -17,6 +17,7 @@ use relume_viewer::{FIRST_LIGHT, Source, Start, Viewer};
 Examples:
   relume-viewer baked.glb
   relume-viewer baked.glb --light studio.hdr
+  relume-viewer baked.glb --emitters lamps.json      lights that stand near, to move and colour
   relume-viewer model.obj                            a model is baked first, in the background
   relume-viewer baked.glb --light sky:20,4 --screenshot look.png"
 )]
@@ -26,6 +27,9 @@ struct Args {
     /// The light: a file, or sky:ELEVATION,TURBIDITY, sun:X,Y,Z,DEG,R,G,B, constant:R,G,B
     #[arg(long, value_name = "ENV", default_value = FIRST_LIGHT)]
     light: String,
+    /// Lights that stand near: an emitters.json, or a .glb or .gltf, of which what is emissive shines
+    #[arg(long, value_name = "FILE")]
+    emitters: Option<PathBuf>,
     /// Exposure in stops [default: what suits the scene]
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
     exposure: Option<f32>,
@@ -68,6 +72,7 @@ pub fn run() -> ExitCode {
     let start = Start {
         files: args.files.into_iter().map(Source::Path).collect(),
         light: Some(args.light),
+        emitters: args.emitters,
         turn: args.turn,
         exposure: args.exposure,
         background: !args.no_background,

@@ -80,6 +80,25 @@ impl Navigation {
         self.camera.eye = self.camera.target + offset.normalize_or(Vec3::Z) * distance;
     }
 
+    /// Steps back, or comes closer, until balls are in view, all of them.
+    pub fn see(&mut self, balls: &[(DVec3, f64)], aspect: f32) {
+        let Ok(frame) = self.camera.frame() else {
+            return;
+        };
+        let half = frame.half_height * f64::from(aspect).min(1.0);
+        // From the middle, so that the cone of view touches a ball.
+        let slant = (1.0 + half * half).sqrt() / half;
+        let middle = self.camera.target.as_dvec3();
+        let needed = balls.iter().map(|&(centre, radius)| {
+            let offset = centre - middle;
+            let depth = offset.dot(frame.forward);
+            let aside = (offset - frame.forward * depth).length();
+            radius * slant + aside / half - depth
+        });
+        let distance = needed.fold(0.0, f64::max).max(1e-6);
+        self.camera.eye = (middle - frame.forward * distance).as_vec3();
+    }
+
     /// Flies: to the right, up and forward, in parts of the distance at the start.
     pub fn fly(&mut self, right: f32, up: f32, forward: f32) {
         let Ok(frame) = self.camera.frame() else {
@@ -124,6 +143,26 @@ mod tests {
         at.mode = Mode::Fly;
         at.drag(0.1, 0.0);
         assert!(at.camera.eye == Vec3::new(0.0, 0.0, 4.0) && at.camera.target.x > 0.0);
+    }
+
+    #[test]
+    fn all_that_should_be_seen_is_in_view() {
+        let mut at = navigation();
+        let balls = [(DVec3::ZERO, 1.0), (DVec3::new(3.0, -1.0, 2.0), 0.5)];
+        at.see(&balls, 1.6);
+        let frame = at.camera.frame().unwrap();
+        let mut closest = f64::INFINITY;
+        for (centre, radius) in balls {
+            let offset = centre - at.camera.eye.as_dvec3();
+            let depth = offset.dot(frame.forward);
+            let aside = (offset - frame.forward * depth).length();
+            let angle = frame.half_height.atan() - (aside / depth).atan();
+            closest = closest.min(angle - (radius / offset.length()).asin());
+        }
+        assert!(
+            (0.0..1e-6).contains(&closest.max(0.0)) && closest > -1e-6,
+            "{closest}"
+        );
     }
 
     #[test]

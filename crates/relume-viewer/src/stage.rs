@@ -5,7 +5,9 @@ use std::sync::{Arc, Mutex};
 use eframe::egui;
 use eframe::egui_wgpu::RenderState;
 use relume::display::Camera;
-use relume::light::{IncidentLight, ShLight};
+use relume::light::IncidentLight;
+use relume::light::emitter::Placed;
+use relume::shade::SideRadiance;
 use relume_gpu::{GpuError, Look, MaterialEdit, Offscreen, Renderer, Target};
 
 use crate::content::{Content, Paths};
@@ -116,9 +118,26 @@ impl Stage {
     ///
     /// # Errors
     /// No scene.
-    pub fn set_light(&mut self, light: ShLight) -> Result<(), GpuError> {
+    pub fn set_light(&mut self, light: &IncidentLight) -> Result<(), GpuError> {
         self.stale = true;
-        self.renderer.stage_light(&IncidentLight::Distant(light))
+        self.renderer.stage_light(light)
+    }
+
+    /// What the sides of diffuse surfaces show in the next frame, shaded elsewhere.
+    ///
+    /// # Errors
+    /// No scene, or radiance of another one.
+    pub fn set_radiance(&mut self, radiance: &SideRadiance) -> Result<(), GpuError> {
+        self.stale = false;
+        self.renderer.set_radiance(radiance)
+    }
+
+    /// Emitters that are seen where they stand.
+    ///
+    /// # Errors
+    /// More of them than fit the device.
+    pub fn set_emitters(&mut self, placed: Option<&Placed>) -> Result<(), GpuError> {
+        self.renderer.set_emitters(placed)
     }
 
     /// Draws a frame of `width` × `height` pixels and gives the texture that shows it.

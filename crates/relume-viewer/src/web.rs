@@ -77,6 +77,7 @@ pub fn publish(viewer: &Viewer) {
         "backend": backend,
         "scene": viewer.content.as_ref().map(|content| &content.name),
         "vertices": viewer.content.as_ref().map_or(0, |c| c.asset.transfer.vertex_count()),
+        "lamps": viewer.near.lamps().len(),
         "light": viewer.lighting.as_ref().map(|lighting| &lighting.name),
         "frames": viewer.frames.drawn,
         "relights": viewer.frames.relights,
@@ -96,7 +97,7 @@ struct Address {
 }
 
 impl Address {
-    /// `?asset=PATH&light=ENV&turn=DEGREES&exposure=STOPS&background=0&panel=0`.
+    /// `?asset=PATH&light=ENV&emitters=PATH&turn=DEGREES&exposure=STOPS&background=0&panel=0`.
     fn read(window: &web_sys::Window) -> Result<Self, JsValue> {
         let query = web_sys::UrlSearchParams::new_with_str(&window.location().search()?)?;
         let number = |name: &str| query.get(name).and_then(|text| text.parse::<f64>().ok());
@@ -109,6 +110,7 @@ impl Address {
         };
         let light = query.get("light");
         files.extend(light.iter().filter(|light| !made(light)).cloned());
+        files.extend(query.get("emitters"));
         Ok(Self {
             start: Start {
                 light: light.filter(made),

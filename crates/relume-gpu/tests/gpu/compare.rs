@@ -3,6 +3,7 @@
 use glam::Vec3;
 use relume::bake::trace::Tracer;
 use relume::display::{self, Camera, Picture, Radiance, RaycastOptions, ToneMap};
+use relume::light::emitter::Placed;
 use relume::scene::World;
 
 use crate::device::Drawn;
@@ -25,6 +26,19 @@ impl Expected {
         radiance: &dyn Radiance,
         background: &(dyn Fn(Vec3) -> [f32; 3] + Sync),
         camera: &Camera,
+        size: (u32, u32),
+        off: f32,
+    ) -> Self {
+        Self::with_emitters(world, radiance, background, None, camera, size, off)
+    }
+
+    /// [`Self::new`] with emitters in the picture.
+    pub fn with_emitters(
+        world: &World,
+        radiance: &dyn Radiance,
+        background: &(dyn Fn(Vec3) -> [f32; 3] + Sync),
+        emitters: Option<&Placed>,
+        camera: &Camera,
         (width, height): (u32, u32),
         off: f32,
     ) -> Self {
@@ -35,7 +49,10 @@ impl Expected {
             samples_per_pixel: 1,
         };
         let look = |camera: &Camera| {
-            display::render(world, &tracer, radiance, background, None, camera, &options).unwrap()
+            display::render(
+                world, &tracer, radiance, background, emitters, camera, &options,
+            )
+            .unwrap()
         };
         let picture = look(camera);
         let (mut low, mut high) = (picture.pixels.clone(), picture.pixels.clone());
@@ -60,10 +77,7 @@ impl Expected {
     /// Asserts that every pixel lies within what the CPU sees around it, `relative` of its brightness and `absolute` more (and one code more,
     /// where codes are drawn); says the largest difference.
     pub fn check(&self, name: &str, drawn: &Drawn, relative: f32, absolute: f32) {
-        let (outside, largest) = match drawn {
-            Drawn::Radiance(pixels) => self.off(pixels, relative, absolute),
-            Drawn::Codes(pixels) => self.codes_off(pixels, relative, absolute),
-        };
+        let (outside, largest) = self.differences(drawn, relative, absolute);
         println!("{name}: largest difference {largest}");
         assert_eq!(
             outside, 0,
@@ -75,6 +89,18 @@ impl Expected {
             lit * 20 > self.picture.pixels.len(),
             "{name}: {lit} lit pixels"
         );
+    }
+
+    /// How many values lie outside what [`Self::check`] allows.
+    pub fn outside(&self, drawn: &Drawn, relative: f32, absolute: f32) -> usize {
+        self.differences(drawn, relative, absolute).0
+    }
+
+    fn differences(&self, drawn: &Drawn, relative: f32, absolute: f32) -> (usize, String) {
+        match drawn {
+            Drawn::Radiance(pixels) => self.off(pixels, relative, absolute),
+            Drawn::Codes(pixels) => self.codes_off(pixels, relative, absolute),
+        }
     }
 
     /// How many values lie outside, and the largest distance from what the CPU sees.

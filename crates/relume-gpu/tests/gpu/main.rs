@@ -7,6 +7,7 @@ mod device;
 mod features;
 mod glossy;
 mod golden;
+mod lamps;
 mod lights;
 mod limits;
 mod scenes;

@@ -3,7 +3,7 @@
 use eframe::egui;
 
 /// Each way to do something, and what it does.
-const KEYS: [(&str, &str); 17] = [
+const KEYS: [(&str, &str); 19] = [
     ("drag", "turn the scene (orbit) or the view (fly)"),
     ("Shift + drag", "turn the light"),
     ("right drag, two fingers", "move across the picture"),
@@ -15,6 +15,11 @@ const KEYS: [(&str, &str); 17] = [
     ("[  ]", "fewer bands, more bands"),
     (",  .", "darker, brighter"),
     ("1 2 3", "unshadowed, shadowed, as baked"),
+    ("click", "select a near light; drag its handles"),
+    (
+        "G T X Del",
+        "move, turn, scale the near light; take it away",
+    ),
     ("B", "background"),
     ("L", "wireframe"),
     ("R", "reset the camera"),

@@ -7,6 +7,8 @@ mod help;
 mod light;
 mod materials;
 pub mod messages;
+pub mod near;
+pub mod overlay;
 pub mod pointer;
 mod scene;
 mod sphere;
@@ -112,6 +114,9 @@ fn contents(viewer: &mut Viewer, ui: &mut egui::Ui) {
         bake::show(viewer, ui);
     });
     section(ui, "Light", true, |ui| light::show(viewer, ui));
+    section(ui, "Near lights", !viewer.near.is_empty(), |ui| {
+        near::show(viewer, ui);
+    });
     section(ui, "Materials", false, |ui| materials::show(viewer, ui));
     section(ui, "View", true, |ui| view::show(viewer, ui));
     section(ui, "Times", true, |ui| times::show(viewer, ui));

@@ -7,13 +7,17 @@ use super::view;
 use crate::app::Viewer;
 use crate::content::Paths;
 use crate::navigation::Mode;
+use crate::near::Tool;
 
 /// Radians that the light turns when it is dragged across the picture's height.
 const LIGHT_SPEED: f64 = 4.0;
 
 /// Moves camera and light by what was done over the picture, and by keys that nobody else wants.
-pub fn handle(viewer: &mut Viewer, ui: &egui::Ui, response: &egui::Response) {
-    drag(viewer, ui, response);
+/// The camera `stays` while a lamp is dragged.
+pub fn handle(viewer: &mut Viewer, ui: &egui::Ui, response: &egui::Response, stays: bool) {
+    if !stays {
+        drag(viewer, ui, response);
+    }
     if response.hovered() {
         let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
         let factor = (scroll * 0.002).exp() * pinch;
@@ -123,6 +127,10 @@ fn act(viewer: &mut Viewer, key: Key) {
                 Mode::Fly => Mode::Orbit,
             }
         }
+        Key::G => viewer.near.tool = Tool::Move,
+        Key::T => viewer.near.tool = Tool::Turn,
+        Key::X => viewer.near.tool = Tool::Scale,
+        Key::Delete => super::near::remove_selected(viewer),
         Key::O => crate::files::pick(&viewer.jobs),
         Key::Comma => look.exposure -= 0.25,
         Key::Period => look.exposure += 0.25,

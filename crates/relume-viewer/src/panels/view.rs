@@ -104,10 +104,8 @@ pub fn choose(viewer: &mut Viewer, wanted: Paths) {
         && content.shadowed.is_none()
         && content.bounces() != Some(0)
     {
-        let world = std::sync::Arc::clone(&content.world);
-        let options = content.direct_options();
-        let subject = crate::baking::Subject::Direct(content.name.clone(), world, options);
-        viewer.bake(subject);
+        viewer.shadowed_wanted = true;
+        viewer.bake_direct();
         return;
     }
     if viewer

@@ -4,27 +4,24 @@
 //! for the light tells before anything is sampled, as the cluster's own vertices shade it (those that reflect little, or look away, want little); the
 //! cluster with the largest error is cut first; and a sample that is hardly wanted has hardly any weight, so that none comes or goes with a jump.
 
-use std::collections::BinaryHeap;
+use std::collections::HashMap;
 
 use glam::{DVec3, Vec3};
 
+use super::cut::{Cut, Oracle};
+use super::groups::{Falloff, Field, Rows};
 use super::lumps::Lumps;
 use super::octree::SampleOctree;
-use super::{RefineOptions, VertexHierarchy, VertexNode};
+use super::{RefineOptions, VertexHierarchy};
 use crate::asset::Transfer;
 use crate::basis::Order;
 use crate::light::VertexLight;
-use crate::light::emitter::{ClosedForm, Placed, Sampler};
+use crate::light::emitter::{Ball, Change, ClosedForm, Placed, Restless, Sampler};
 use crate::parallel;
+use crate::simd::Lanes;
 
-/// Clusters cut at a time, whatever the threads.
-const BATCH: usize = 8;
-/// Vertices of a cluster that its error is taken from: the root of their number, between these.
-const JUDGES: (usize, usize) = (24, 128);
 /// A sample counts this many times its cluster's radius from its middle: no vertex of the cluster is farther away.
 const REACH: f64 = 2.0;
-/// A cluster's halves have their full weight from this many times ε on.
-const FULL: f64 = 2.0;
 
 /// What vertices make of light, for [`refine_first_order`]: `[vertices][order²]`, transfer times albedo, their channels' mean.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,7 +67,18 @@ impl Responses {
         Self { order, values }
     }
 
-    fn of(&self, vertex: u32) -> &[f32] {
+    /// Of vertices that answer to all light alike.
+    #[cfg(test)]
+    pub(in crate::light) fn even(vertices: usize, order: Order) -> Self {
+        let mut values = vec![0.0; vertices * order.count()];
+        values
+            .iter_mut()
+            .step_by(order.count())
+            .for_each(|x| *x = 1.0);
+        Self { order, values }
+    }
+
+    pub(super) fn of(&self, vertex: u32) -> &[f32] {
         let count = self.order.count();
         &self.values[vertex as usize * count..][..count]
     }
@@ -97,216 +105,92 @@ pub fn refine_first_order(
     };
     let cut = oracle.cut(options);
     let nodes = hierarchy.nodes();
-    let lights = parallel::map(cut.weights.len(), |i| {
-        form.sample_with_gradient(placed, nodes[cut.weights[i].0].position)
+    let rows = parallel::map(cut.weights.len(), |i| {
+        row(form, placed, nodes[cut.weights[i].0].position)
     });
-    let mut samples = FirstOrderSamples {
-        order: form.order(),
-        positions: Vec::new(),
-        radii: Vec::new(),
-        weights: Vec::new(),
-        rows: Vec::new(),
-        epsilon: cut.epsilon,
-    };
-    let smallest = nodes.first().map_or(0.0, |root| 1e-6 * root.radius);
-    for (&(node, weight), (incident, gradient)) in cut.weights.iter().zip(&lights) {
-        samples.positions.push(nodes[node].position);
-        samples
-            .radii
-            .push((REACH * nodes[node].radius).max(smallest));
-        samples.weights.push(weight);
-        let rows = std::iter::once(&incident.coefficients).chain(&gradient.axes);
-        samples
-            .rows
-            .extend(rows.flatten().flatten().map(|&x| x as f32));
-    }
-    samples
+    cut.samples(hierarchy, form.order(), rows)
 }
 
-/// What a cluster's sample would leave out.
-struct Oracle<'a> {
-    hierarchy: &'a VertexHierarchy,
-    positions: &'a [Vec3],
-    responses: &'a Responses,
-    lumps: Lumps,
+/// Coefficients at a point, and their derivatives along x, y and z: `[4][order²][3]`.
+fn row(form: &ClosedForm, placed: &Placed, at: DVec3) -> Vec<f32> {
+    let (incident, gradient) = form.light_with_gradient(placed, at);
+    let rows = std::iter::once(&incident.coefficients).chain(&gradient.axes);
+    rows.flatten().flatten().map(|&x| x as f32).collect()
 }
 
-/// A cluster that was looked at.
-struct Cluster {
-    node: usize,
-    parent: Option<usize>,
-    error: f64,
-    /// When it was cut, counting from 0.
-    cut: Option<usize>,
-}
-
-/// Clusters that are sampled, and how much each counts.
-struct Cut {
-    /// Node and weight.
-    weights: Vec<(usize, f64)>,
-    epsilon: f64,
-}
-
-impl Oracle<'_> {
-    /// Cuts the worst cluster, and so on; then goes back to where the samples that count fit the budget.
-    fn cut(&self, options: &RefineOptions) -> Cut {
-        let mut clusters: Vec<Cluster> = Vec::new();
-        let mut open = BinaryHeap::new();
-        if !self.positions.is_empty() {
-            let error = self.error(0);
-            clusters.push(Cluster {
-                node: 0,
-                parent: None,
-                error,
-                cut: None,
-            });
-            open.push((Ordered(error), 0));
-        }
-        // ε after so many cuts.
-        let mut left = vec![open.peek().map_or(0.0, |(error, _)| error.0)];
-        while left.len() < options.budget {
-            let mut worst: Vec<usize> = Vec::new();
-            while worst.len() < BATCH.min(options.budget - left.len())
-                && open
-                    .peek()
-                    .is_some_and(|(error, _)| error.0 > options.epsilon)
-            {
-                worst.extend(open.pop().map(|(_, i)| i));
-            }
-            if worst.is_empty() {
-                break;
-            }
-            let halves: Vec<(usize, usize)> = worst
-                .iter()
-                .flat_map(|&i| {
-                    self.hierarchy
-                        .halves(clusters[i].node)
-                        .map(move |half| (i, half))
-                })
-                .collect();
-            let errors = parallel::map(halves.len(), |k| self.error(halves[k].1));
-            for (k, &i) in worst.iter().enumerate() {
-                clusters[i].cut = Some(left.len() - 1);
-                for (&(parent, node), &error) in halves.iter().zip(&errors) {
-                    if parent == i {
-                        raise(&mut clusters, parent, error);
-                        open.push((Ordered(error), clusters.len()));
-                        clusters.push(Cluster {
-                            node,
-                            parent: Some(parent),
-                            error,
-                            cut: None,
-                        });
-                    }
-                }
-                // What is still to be cut of this batch is open too.
-                let waiting = worst[k + 1..].iter().map(|&i| clusters[i].error);
-                let open = open.peek().map_or(0.0, |(error, _)| error.0);
-                left.push(waiting.fold(open, f64::max));
-            }
-        }
-        fitting(&clusters, &left, options)
-    }
-
-    /// A cluster's share of the RMS error of vertex colours if one sample served it alone.
-    fn error(&self, node: usize) -> f64 {
-        let node = &self.hierarchy.nodes()[node];
-        if node.radius == 0.0 {
-            return 0.0;
-        }
-        let step = 0.01 * node.radius;
-        let [here, x, y, z] = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z]
-            .map(|axis| self.lumps.light(node.position + axis * step));
-        let (judges, each) = self.judges(node);
-        let mut sum = 0.0;
-        for vertex in judges {
-            let at = self.positions[vertex as usize].as_dvec3();
-            let offset = (at - node.position) / step;
-            let light = self.lumps.light(at);
-            let mut colour = 0.0;
-            for (i, &response) in self.responses.of(vertex).iter().enumerate() {
-                let slope = offset.x * (x[i] - here[i])
-                    + offset.y * (y[i] - here[i])
-                    + offset.z * (z[i] - here[i]);
-                colour += f64::from(response) * (light[i] - here[i] - slope);
-            }
-            sum += colour * colour;
-        }
-        (sum * each / self.positions.len() as f64).sqrt()
-    }
-
-    /// Some of a cluster's vertices, and how many each stands for.
-    fn judges(&self, node: &VertexNode) -> (impl Iterator<Item = u32> + '_, f64) {
-        let members = &self.hierarchy.order()[node.vertices.clone()];
-        let judges = members.len().isqrt().clamp(JUDGES.0, JUDGES.1);
-        let step = members.len().div_ceil(judges).max(1);
-        let count = members.len().div_ceil(step).max(1);
-        let each = members.len() as f64 / count as f64;
-        (members.iter().step_by(step).copied(), each)
-    }
-}
-
-/// A cluster is as wrong as its worst part, which its judges may not have seen.
-fn raise(clusters: &mut [Cluster], cluster: usize, error: f64) {
-    let mut next = Some(cluster);
-    while let Some(i) = next.filter(|&i| clusters[i].error < error) {
-        clusters[i].error = error;
-        next = clusters[i].parent;
-    }
-}
-
-/// The most cuts after which the samples that count fit the budget; `left` is ε after each number of cuts.
-fn fitting(clusters: &[Cluster], left: &[f64], options: &RefineOptions) -> Cut {
-    // Numbers of cuts after which ε is smaller than ever before: there are the more samples the smaller it is.
-    let mut lows: Vec<usize> = Vec::new();
-    for (cuts, error) in left.iter().enumerate() {
-        if lows.last().is_none_or(|&low| *error < left[low]) {
-            lows.push(cuts);
+impl Cut {
+    /// With what was sampled at each cluster.
+    fn samples(
+        self,
+        hierarchy: &VertexHierarchy,
+        order: Order,
+        rows: Vec<Vec<f32>>,
+    ) -> FirstOrderSamples {
+        let nodes = hierarchy.nodes();
+        let smallest = nodes.first().map_or(0.0, |root| 1e-6 * root.radius);
+        let clusters = || self.weights.iter().map(|&(node, _)| &nodes[node]);
+        FirstOrderSamples {
+            order,
+            positions: clusters().map(|node| node.position).collect(),
+            radii: clusters()
+                .map(|node| (REACH * node.radius).max(smallest))
+                .collect(),
+            weights: self.weights.iter().map(|&(_, weight)| weight).collect(),
+            rows: rows.concat(),
+            epsilon: self.epsilon,
         }
     }
-    let weighed = |&cuts: &usize| weigh(clusters, cuts, left[cuts].max(options.epsilon));
-    let fits = |cuts: &usize| weighed(cuts).weights.len() <= options.budget.max(1);
-    let count = lows.partition_point(fits).max(1);
-    weighed(&lows[count - 1])
 }
 
-/// The clusters that count after so many cuts: halves take over from a cluster as its error goes from ε to twice that.
-fn weigh(clusters: &[Cluster], cuts: usize, epsilon: f64) -> Cut {
-    let mut handed = vec![0.0; clusters.len()];
-    let mut weights = Vec::new();
-    for (i, cluster) in clusters.iter().enumerate() {
-        let reached = cluster.parent.map_or(1.0, |parent| handed[parent]);
-        let share = match cluster.cut.is_some_and(|at| at < cuts) {
-            true if epsilon > 0.0 => {
-                ((cluster.error / epsilon - 1.0) / (FULL - 1.0)).clamp(0.0, 1.0)
-            }
-            true => 1.0,
-            false => 0.0,
+/// Samples frame after frame: at a cluster that was sampled before, only light of emitters that have moved lately, or that one of these may hide, is found
+/// again.
+#[derive(Clone, Debug, Default)]
+pub struct FirstOrderSession {
+    restless: Restless,
+    /// Of the others, by cluster.
+    resting: HashMap<usize, Vec<f32>>,
+}
+
+impl FirstOrderSession {
+    /// [`refine_first_order`] of the next frame, within rounding. Always for the same object and form; an object's session begins anew.
+    pub fn refine(
+        &mut self,
+        hierarchy: &VertexHierarchy,
+        positions: &[Vec3],
+        responses: &Responses,
+        form: &ClosedForm,
+        placed: &Placed,
+        options: &RefineOptions,
+    ) -> FirstOrderSamples {
+        let oracle = Oracle {
+            hierarchy,
+            positions,
+            responses,
+            lumps: Lumps::new(placed, form.order()),
         };
-        handed[i] = reached * share;
-        let weight = reached * (1.0 - share);
-        if weight > 0.0 {
-            weights.push((cluster.node, weight));
+        let cut = oracle.cut(options);
+        let ball = Ball::around(positions.iter().map(|p| p.as_dvec3()));
+        if self.restless.next(placed, &ball) == Change::Others {
+            self.resting.clear();
         }
-    }
-    Cut { weights, epsilon }
-}
-
-/// Errors in the order of their size; they are finite.
-#[derive(Clone, Copy, PartialEq)]
-struct Ordered(f64);
-
-impl Eq for Ordered {}
-
-impl PartialOrd for Ordered {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Ordered {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
+        let clusters: Vec<usize> = cut.weights.iter().map(|&(node, _)| node).collect();
+        let nodes = hierarchy.nodes();
+        let at = |placed: &Placed, clusters: &[usize]| {
+            parallel::map(clusters.len(), |i| {
+                row(form, placed, nodes[clusters[i]].position)
+            })
+        };
+        let is_new = |node: &&usize| !self.resting.contains_key(*node);
+        let new: Vec<usize> = clusters.iter().filter(is_new).copied().collect();
+        let found = at(&self.restless.resting(placed), &new);
+        self.resting.extend(new.into_iter().zip(found));
+        let mut rows = at(&self.restless.moving(placed), &clusters);
+        for (row, node) in rows.iter_mut().zip(&clusters) {
+            for (sum, resting) in row.iter_mut().zip(&self.resting[node]) {
+                *sum += resting;
+            }
+        }
+        cut.samples(hierarchy, form.order(), rows)
     }
 }
 
@@ -323,56 +207,37 @@ impl FirstOrderSamples {
 }
 
 /// Light at each position: what the samples around predict, by weights that fall smoothly to nothing at the end of their reach. Dark without samples.
-pub fn reconstruct_first_order(samples: &FirstOrderSamples, positions: &[Vec3]) -> VertexLight {
-    let octree = SampleOctree::of(&samples.positions, &samples.radii);
-    let count = samples.order.count();
-    let mut coefficients = vec![[0.0_f32; 3]; positions.len() * count];
-    parallel::chunks(&mut coefficients, 256 * count, |block, coefficients| {
-        let mut near: Vec<(u32, f64)> = Vec::new();
-        for (i, place) in coefficients.chunks_exact_mut(count).enumerate() {
-            let at = positions[block * 256 + i].as_dvec3();
-            near.clear();
-            octree.near(at, |sample| {
-                let s = sample as usize;
-                let share = samples.positions[s].distance(at) / samples.radii[s];
-                if share < 1.0 {
-                    let falloff = (1.0 - share) / share.max(1e-3);
-                    near.push((sample, samples.weights[s] * falloff * falloff));
-                }
-            });
-            let sum: f64 = near.iter().map(|(_, weight)| weight).sum();
-            if sum == 0.0 {
-                near.clear();
-                let apart = |s: &usize| samples.positions[*s].distance_squared(at);
-                let nearest = (0..samples.len()).min_by(|a, b| apart(a).total_cmp(&apart(b)));
-                near.extend(nearest.map(|s| (s as u32, 1.0)));
-            }
-            let sum = if sum == 0.0 { 1.0 } else { sum };
-            for &(sample, weight) in &near {
-                samples.add(
-                    sample as usize,
-                    at,
-                    (weight / sum) as f32,
-                    place.as_flattened_mut(),
-                );
-            }
-        }
-    });
-    VertexLight::new(samples.order, coefficients)
+/// `hierarchy` is of the same positions. The same bytes for any number of threads and every instruction set.
+pub fn reconstruct_first_order(
+    samples: &FirstOrderSamples,
+    hierarchy: &VertexHierarchy,
+    positions: &[Vec3],
+) -> VertexLight {
+    let field = Field {
+        centres: &samples.positions,
+        reaches: &samples.radii,
+        weights: &samples.weights,
+        falloff: Smooth,
+        terms: 4,
+        rows: Rows::new(3 * samples.order.count(), &samples.rows),
+        octree: Some(SampleOctree::of(&samples.positions, &samples.radii)),
+    };
+    let values = field.at(hierarchy, positions);
+    let (rows, _) = values.as_chunks::<3>();
+    VertexLight::new(samples.order, rows.to_vec())
 }
 
-impl FirstOrderSamples {
-    /// Adds a share of what a sample predicts at a point.
-    #[inline]
-    fn add(&self, sample: usize, at: DVec3, share: f32, place: &mut [f32]) {
-        let width = place.len();
-        let step = (at - self.positions[sample]).as_vec3() * share;
-        let rows = &self.rows[4 * width * sample..][..4 * width];
-        let (value, slopes) = rows.split_at(width);
-        let (x, rest) = slopes.split_at(width);
-        let (y, z) = rest.split_at(width);
-        for (i, place) in place.iter_mut().enumerate() {
-            *place += share * value[i] + step.x * x[i] + step.y * y[i] + step.z * z[i];
-        }
+/// ((1 − d)/d)², d the distance as a share of the reach, held to 10⁶ near the sample.
+#[derive(Clone, Copy)]
+struct Smooth;
+
+impl Falloff for Smooth {
+    #[inline(always)]
+    fn weight<L: Lanes>(self, square: L, reach: f32, weight: f32) -> L {
+        let one = L::splat(1.0);
+        let share = square.sqrt().over(L::splat(reach));
+        let falloff = (one - share).over(share.most(L::splat(1e-3)));
+        let inside = share.below(one);
+        L::select(inside, L::splat(weight) * falloff * falloff, L::splat(0.0))
     }
 }

@@ -9,7 +9,9 @@
 //!
 //! Beside it stands what it is compared with: [`lbg()`] places samples evenly among the vertices, [`global_weights`] takes all of them at every vertex.
 
+mod cut;
 mod first_order;
+mod groups;
 mod hierarchy;
 mod lbg;
 mod lumps;
@@ -20,7 +22,9 @@ mod samples;
 #[cfg(test)]
 mod tests;
 
-pub use first_order::{FirstOrderSamples, Responses, reconstruct_first_order, refine_first_order};
+pub use first_order::{
+    FirstOrderSamples, FirstOrderSession, Responses, reconstruct_first_order, refine_first_order,
+};
 pub use hierarchy::{VertexHierarchy, VertexNode};
 pub use lbg::{Codebook, lbg};
 pub use octree::SampleOctree;

@@ -72,11 +72,34 @@ impl SampleOctree {
         at.clamp(DVec3::ZERO, DVec3::splat(cells - 1.0)).as_uvec3()
     }
 
+    /// [`Self::near`] of several points that are close together: samples may come more than once.
+    pub fn near_any(&self, points: &[DVec3], mut found: impl FnMut(u32)) {
+        let inside = points.iter().filter(|point| self.holds(**point));
+        let deepest = inside.map(|&point| locational_code(self.cell(point, LEVELS), LEVELS));
+        let mut deepest: Vec<u32> = deepest.collect();
+        // From the deepest level up; points of one cell stay together.
+        deepest.dedup();
+        for level in (0..=LEVELS).rev() {
+            if self.levels & 1 << level != 0 {
+                for code in &deepest {
+                    let samples = self.cells.get(code).into_iter().flatten();
+                    samples.for_each(|&sample| found(sample));
+                }
+            }
+            deepest.iter_mut().for_each(|code| *code >>= 3);
+            deepest.dedup();
+        }
+    }
+
+    fn holds(&self, point: DVec3) -> bool {
+        let relative = point - self.origin;
+        relative.min_element() >= 0.0 && relative.max_element() <= self.side
+    }
+
     /// Calls `found` with the numbers of samples that may be valid at `point`: all that are, and some that are not.
     #[inline]
     pub fn near(&self, point: DVec3, mut found: impl FnMut(u32)) {
-        let relative = point - self.origin;
-        if relative.min_element() < 0.0 || relative.max_element() > self.side {
+        if !self.holds(point) {
             return;
         }
         // Codes of higher levels are prefixes of the deepest.

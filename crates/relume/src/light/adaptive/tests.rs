@@ -122,7 +122,8 @@ fn a_vertex_takes_the_valid_samples_by_their_distance() {
     ];
     let samples = numbered(&spheres);
     let at = |x: f32, y: f32| {
-        let light = reconstruct(&samples, &[Vec3::new(x, y, 0.0)]);
+        let place = [Vec3::new(x, y, 0.0)];
+        let light = reconstruct(&samples, &VertexHierarchy::new(&place), &place);
         light.coefficients(0)[0][0]
     };
     assert_eq!(at(0.25, 0.0), 0.0, "one alone");
@@ -137,7 +138,7 @@ fn a_vertex_takes_the_valid_samples_by_their_distance() {
     assert_eq!(at(-50.0, 0.0), 0.0, "far outside");
     let none = numbered(&[]);
     assert_eq!(
-        reconstruct(&none, &[Vec3::ONE]).coefficients(0)[0],
+        reconstruct(&none, &VertexHierarchy::new(&[Vec3::ONE]), &[Vec3::ONE]).coefficients(0)[0],
         [0.0; 3]
     );
 }
@@ -153,7 +154,7 @@ fn with_epsilon_0_every_vertex_has_its_own_light() {
         budget: usize::MAX,
     };
     let refined = refine(&hierarchy, &form, &placed, &options);
-    let light = reconstruct(&refined.samples, &positions);
+    let light = reconstruct(&refined.samples, &hierarchy, &positions);
     let points = positions.iter().map(|p| p.as_dvec3()).collect();
     let exact = LightSamples::at(points, &form, &placed);
     for v in 0..positions.len() {
@@ -188,7 +189,11 @@ fn samples_go_where_the_light_is_near_and_keep_to_the_budget() {
         "the same ones first"
     );
     let errors = [0.5, 0.05, 0.005].map(|epsilon| {
-        let light = reconstruct(&with(0.6, epsilon, usize::MAX).samples, &positions);
+        let light = reconstruct(
+            &with(0.6, epsilon, usize::MAX).samples,
+            &hierarchy,
+            &positions,
+        );
         let points = positions.iter().map(|p| p.as_dvec3()).collect();
         let exact = LightSamples::at(points, &form, &panel(0.6));
         let squares = (0..2000).flat_map(|v| {
@@ -230,10 +235,11 @@ fn both_forms_of_global_weights_agree() {
     let positions = cloud(500, 6);
     let form = ClosedForm::new(Order::new(3).unwrap());
     let samples = LightSamples::at(lbg(&positions, 16).points, &form, &panel(0.8));
-    for b in [1.0, 2.0, 3.0] {
+    let hierarchy = VertexHierarchy::new(&positions);
+    for b in [1, 2, 3] {
         let [slow, fast] = [
-            global_weights(&samples, &positions, b),
-            global_weights_blocked(&samples, &positions, b),
+            global_weights(&samples, &positions, b.into()),
+            global_weights_blocked(&samples, &hierarchy, &positions, b),
         ];
         for v in 0..500 {
             let pairs = slow

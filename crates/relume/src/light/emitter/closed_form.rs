@@ -92,6 +92,18 @@ impl ClosedForm {
         (incident, gradient.expect("as given"))
     }
 
+    /// [`Self::sample_with_gradient`] without solid angles and distances, which black faces take no part in here.
+    pub(in crate::light) fn light_with_gradient(
+        &self,
+        placed: &Placed,
+        at: DVec3,
+    ) -> (Incident, LightGradient) {
+        let is_black = |i: usize| placed.polygons[i].is_black();
+        let none = LightGradient::none(self.order);
+        let (incident, gradient) = self.sum(placed, at, &is_black, Some(none));
+        (incident, gradient.expect("as given"))
+    }
+
     /// Incident light of all but the polygons that `left_out` names, which hide others all the same.
     pub(super) fn sample_without(
         &self,

@@ -76,7 +76,12 @@ pub(super) fn light_with(
 fn is_plain(placed: &Placed, index: usize, ball: &Ball) -> bool {
     let polygon = &placed.polygons[index];
     let occluders = &placed.occluders()[index];
-    let hides = |other: &u32| ball.may_lose(polygon, &placed.polygons[*other as usize]);
+    let hides = |other: &u32| {
+        ball.may_hide(
+            &Ball::of(polygon),
+            &Ball::of(&placed.polygons[*other as usize]),
+        )
+    };
     matches!(polygon.shine, Shine::Uniform(_))
         && polygon.exponent == 0
         && placed.spheres.is_empty()

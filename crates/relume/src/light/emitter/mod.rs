@@ -16,6 +16,7 @@ mod occluders;
 mod pattern;
 mod placed;
 mod sample;
+mod session;
 mod shapes;
 mod sphere;
 #[cfg(test)]
@@ -34,8 +35,11 @@ pub use cube_map::CubeMap;
 pub use error::EmitterError;
 pub use exact::light_at_vertices;
 pub use file::{EmitterFileError, EntryError, from_json, load};
+pub(in crate::light) use occluders::Ball;
 pub use placed::{EmitterHit, Placed, PlacedPolygon, PlacedSphere};
 pub use sample::{Incident, LightGradient, Sampler, light_at};
+pub use session::LightSession;
+pub(in crate::light) use session::{Change, Restless};
 
 use pattern::Cells;
 

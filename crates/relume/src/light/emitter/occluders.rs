@@ -62,12 +62,20 @@ impl Ball {
         Self { centre, radius }
     }
 
-    /// Whether `other` may hide some of `face` from a point of the ball: whether it reaches into the hull of the ball and of one about the face.
-    pub fn may_lose(&self, face: &PlacedPolygon, other: &PlacedPolygon) -> bool {
+    /// About a face.
+    pub fn of(face: &PlacedPolygon) -> Self {
+        Self {
+            centre: face.centre,
+            radius: face.radius,
+        }
+    }
+
+    /// Whether `other` may hide some of `seen` from a point of the ball: whether it reaches into the hull of both.
+    pub fn may_hide(&self, seen: &Self, other: &Self) -> bool {
         // How far the other's middle is outside the ball at a share of the way; convex, so thirds find where it is least.
         let outside = |share: f64| {
-            let middle = self.centre.lerp(face.centre, share);
-            let radius = self.radius + (face.radius - self.radius) * share;
+            let middle = self.centre.lerp(seen.centre, share);
+            let radius = self.radius + (seen.radius - self.radius) * share;
             other.centre.distance(middle) - radius
         };
         let (mut low, mut high) = (0.0, 1.0);

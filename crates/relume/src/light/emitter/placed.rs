@@ -167,6 +167,27 @@ impl Placed {
         &self.spheres
     }
 
+    /// The emitters, in the order given.
+    pub(super) fn sources(&self) -> &[Emitter] {
+        &self.sources
+    }
+
+    /// The same, but that emitters of these numbers are black: they hide what is behind them all the same.
+    pub(super) fn with_black(&self, is_black: impl Fn(usize) -> bool) -> Self {
+        let mut placed = self.clone();
+        for polygon in &mut placed.polygons {
+            if is_black(polygon.emitter) {
+                polygon.shine = Shine::Uniform([0.0; 3]);
+            }
+        }
+        for sphere in &mut placed.spheres {
+            if is_black(sphere.emitter) {
+                sphere.radiance = [0.0; 3];
+            }
+        }
+        placed
+    }
+
     /// For each polygon, the others that may hide some of it.
     pub(super) fn occluders(&self) -> &[Occluders] {
         self.occluders.get_or_init(|| occluders(self))
@@ -270,6 +291,11 @@ impl Placed {
 }
 
 impl PlacedPolygon {
+    /// Whether its radiance is the same all over.
+    pub fn is_uniform(&self) -> bool {
+        matches!(self.shine, Shine::Uniform(_))
+    }
+
     /// Whether it only blocks. What has a pattern is never said to.
     pub fn is_black(&self) -> bool {
         matches!(self.shine, Shine::Uniform(radiance) if radiance == [0.0; 3])

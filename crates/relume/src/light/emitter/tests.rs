@@ -4,6 +4,7 @@ use super::*;
 
 mod exact;
 mod samplers;
+mod session;
 
 pub fn of(shape: Shape, pattern: Pattern) -> Emitter {
     Emitter {

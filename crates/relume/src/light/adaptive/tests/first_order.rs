@@ -60,8 +60,11 @@ impl Object {
     }
 
     fn light(&self, placed: &Placed, epsilon: f64, budget: usize) -> Vec<f32> {
-        let light =
-            reconstruct_first_order(&self.samples(placed, epsilon, budget), &self.positions);
+        let light = reconstruct_first_order(
+            &self.samples(placed, epsilon, budget),
+            &self.hierarchy,
+            &self.positions,
+        );
         values(&light, self.positions.len())
     }
 
@@ -103,7 +106,10 @@ fn at_as_many_samples_the_error_is_less_than_half_of_the_papers() {
                 },
             );
             let papers = rms(
-                &values(&reconstruct(&papers.samples, &object.positions), 2000),
+                &values(
+                    &reconstruct(&papers.samples, &object.hierarchy, &object.positions),
+                    2000,
+                ),
                 &exact,
             );
             assert!(ours < 0.5 * papers, "{ours} {papers} at {z}");

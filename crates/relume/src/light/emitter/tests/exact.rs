@@ -27,7 +27,7 @@ fn positions() -> Vec<Vec3> {
 }
 
 /// The largest difference at any vertex, as a share of the largest coefficient there.
-fn apart(a: &VertexLight, b: &VertexLight) -> f64 {
+pub(super) fn apart(a: &VertexLight, b: &VertexLight) -> f64 {
     let mut largest = 0.0_f64;
     for v in 0..a.vertex_count() {
         let [a, b] = [a, b].map(|light| light.coefficients(v).as_flattened());
@@ -150,7 +150,16 @@ fn only_what_stands_between_can_hide() {
         panel(-9.0, 0.0),
     ]);
     let faces = placed.polygons();
-    assert!(ball.may_lose(&faces[0], &faces[1]), "between");
-    assert!(!ball.may_lose(&faces[0], &faces[2]), "aside");
-    assert!(!ball.may_lose(&faces[0], &faces[3]), "beyond");
+    assert!(
+        ball.may_hide(&Ball::of(&faces[0]), &Ball::of(&faces[1])),
+        "between"
+    );
+    assert!(
+        !ball.may_hide(&Ball::of(&faces[0]), &Ball::of(&faces[2])),
+        "aside"
+    );
+    assert!(
+        !ball.may_hide(&Ball::of(&faces[0]), &Ball::of(&faces[3])),
+        "beyond"
+    );
 }

@@ -1,0 +1,181 @@
+//! From what shines to what the device shows: once for every change of the light.
+
+use relume::light::{IncidentLight, ShLight};
+use relume::shade::SideRadiance;
+use relume_gpu::{GpuError, Surface};
+
+use crate::app::Viewer;
+use crate::content::Paths;
+use crate::near::{self, Arriving, Domain, Method};
+
+/// What came of near light when it was last asked for.
+#[derive(Default)]
+pub struct Report {
+    /// Where it was sampled.
+    pub domains: Vec<Domain>,
+    /// To find it at the vertices.
+    pub seconds: f32,
+    /// Root mean square difference to exact light, the brightest vertex being 1; where it is shown.
+    pub rmse: Option<f32>,
+}
+
+impl Viewer {
+    /// Uploads the light if it has changed.
+    pub(crate) fn relight(&mut self) {
+        let (Some(_), Some(lighting)) = (&self.content, &self.lighting) else {
+            return;
+        };
+        if !std::mem::take(&mut self.light_changed) {
+            return;
+        }
+        let (light, problem) = lighting.incident();
+        self.messages.standing("window", problem);
+        self.look.world_from_light = lighting.turn();
+        let signed = lighting.coefficient.is_some() || self.shows_error();
+        self.look.surface = match (signed, self.look.surface) {
+            (true, _) => Surface::Signed,
+            (false, Surface::Signed) => Surface::Shaded,
+            (false, other) => other,
+        };
+        let alone = lighting.coefficient.is_some() || !self.shades_here();
+        let lit = if alone {
+            self.lit = None;
+            self.stage.set_light(&IncidentLight::Distant(light))
+        } else {
+            self.with_lamps(&light)
+        };
+        let seen = self.near.shows_lamps && !self.near.is_empty();
+        let lamps = seen.then(|| self.near.placed());
+        let shown = self.stage.set_emitters(lamps);
+        match lit.and(shown) {
+            Ok(()) => self.frames.relights += 1,
+            Err(error) => self.messages.error(error.to_string()),
+        }
+        if std::mem::take(&mut self.exposure_due) {
+            self.auto_exposure();
+        }
+    }
+
+    /// Whether the difference to exact light is shown.
+    fn shows_error(&self) -> bool {
+        self.near.error.is_some() && self.near.method != Method::Exact && !self.near.is_empty()
+    }
+
+    /// Whether light is shaded on this side of the device: it varies by vertex, or bounces on.
+    fn shades_here(&self) -> bool {
+        let gathers = |content: &crate::content::Content| content.asset.transfer.gather.is_some();
+        let bounces = self.near.bounces > 0 && self.paths == Paths::Baked;
+        !self.near.is_empty() || (bounces && self.content.as_ref().is_some_and(gathers))
+    }
+
+    fn with_lamps(&mut self, distant: &ShLight) -> Result<(), GpuError> {
+        self.want_direct_light();
+        let Some(content) = &mut self.content else {
+            return Err(GpuError::NoScene);
+        };
+        let arriving = self
+            .arriving
+            .get_or_insert_with(|| Arriving::new(&content.world, &content.asset.transfer));
+        let arrived = arriving.arrive(&self.near, &content.world);
+        (self.report.domains, self.report.seconds) = (arrived.domains, arrived.seconds);
+        self.report.rmse = None;
+        let near = (!self.near.is_empty()).then_some(&arrived.light);
+        let mut shade = |distant: &ShLight, near| {
+            near::shade(content, self.paths, distant, near, self.near.bounces)
+        };
+        let sides = match shade(distant, near) {
+            Ok(sides) => sides,
+            Err(error) => {
+                self.messages.standing("near", Some(error.to_string()));
+                SideRadiance::default()
+            }
+        };
+        if let Some(gain) = self
+            .near
+            .error
+            .filter(|_| self.near.method != Method::Exact)
+        {
+            let exact = arriving.exact(&self.near);
+            let exact = near::shade(
+                content,
+                self.paths,
+                distant,
+                Some(&exact),
+                self.near.bounces,
+            );
+            if let Ok(exact) = exact {
+                let (difference, rmse) = near::error(&sides, &exact, gain);
+                self.report.rmse = Some(rmse);
+                self.lit = Some(sides);
+                return self.stage.set_radiance(&difference);
+            }
+        }
+        let glossy = content.asset.transfer.matrices.is_some() && self.paths != Paths::Unshadowed;
+        // Folded bounces would take near light for distant.
+        let folded = self.paths == Paths::Baked && matches!(content.bounces(), Some(1..));
+        let set = match near {
+            Some(near) if glossy && !folded => {
+                let light = IncidentLight::PerVertex(near.plus(distant));
+                self.stage.set_light(&light)
+            }
+            _ if glossy => self
+                .stage
+                .set_light(&IncidentLight::Distant(distant.clone())),
+            _ => self.stage.set_radiance(&sides),
+        };
+        self.lit = Some(sides);
+        set
+    }
+
+    /// Sees that there is direct transfer for near light, where bounces were folded in.
+    fn want_direct_light(&mut self) {
+        let folded = self
+            .content
+            .as_ref()
+            .is_some_and(|content| !content.has_direct() && !self.near.is_empty());
+        let glossy = self
+            .content
+            .as_ref()
+            .is_some_and(|c| c.asset.transfer.matrices.is_some());
+        let hidden = glossy && self.paths == Paths::Baked && !self.near.is_empty();
+        let note = match (folded, cfg!(target_arch = "wasm32")) {
+            (false, _)
+                if hidden && self.content.as_ref().is_some_and(|c| c.bounces() > Some(0)) =>
+            {
+                Some(
+                    "near light does not reach glossy surfaces by bounces; choose \"shadowed\" to see it",
+                )
+            }
+            (false, _) => None,
+            (true, true) => Some(
+                "near light is without shadows: the scene was baked with bounces alone; bake it with --bounces 0 --gather",
+            ),
+            (true, false) => {
+                Some("near light is without shadows until its direct transfer is baked")
+            }
+        };
+        self.messages.standing("near", note.map(str::to_owned));
+        #[cfg(not(target_arch = "wasm32"))]
+        if folded && !self.direct_asked {
+            self.direct_asked = true;
+            let glossy = self
+                .content
+                .as_ref()
+                .is_some_and(|c| c.asset.transfer.matrices.is_some());
+            // Glossy surfaces have one transfer for all light.
+            self.shadowed_wanted |= glossy;
+            self.bake_direct();
+        }
+    }
+
+    /// The exposure that brings the mean of the vertices to middle grey.
+    pub(crate) fn auto_exposure(&mut self) {
+        let (Some(content), Some(lighting)) = (&self.content, &self.lighting) else {
+            return;
+        };
+        self.look.exposure = match &self.lit {
+            Some(sides) => crate::exposure::of_sides(content, sides),
+            None => crate::exposure::suitable(content, &lighting.incident().0),
+        };
+    }
+}
