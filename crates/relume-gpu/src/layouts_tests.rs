@@ -8,6 +8,7 @@ use relume::basis::Order;
 
 use super::*;
 use crate::glossy::source;
+use crate::near_source;
 use crate::pipelines::{MATRICES, RELIGHT, VIEW};
 
 fn parsed(source: &str) -> naga::Module {
@@ -17,8 +18,11 @@ fn parsed(source: &str) -> naga::Module {
 #[test]
 fn every_shader_is_valid_without_any_extension() {
     let glossy = [1, 2, 5, 10].map(|n| source(Order::new(n).unwrap()));
+    let near = [(1, 1), (2, 3), (3, 1), (4, 3), (10, 1)]
+        .map(|(n, channels)| near_source::source(Order::new(n).unwrap(), channels));
     let plain = [RELIGHT, MATRICES, VIEW].into_iter();
-    for source in plain.chain(glossy.iter().map(String::as_str)) {
+    let written = glossy.iter().chain(&near).map(String::as_str);
+    for source in plain.chain(written) {
         let validated =
             Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&parsed(source));
         if let Err(error) = validated {

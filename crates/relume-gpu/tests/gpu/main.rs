@@ -4,9 +4,11 @@
 
 mod compare;
 mod device;
+mod emitters;
 mod features;
 mod glossy;
 mod golden;
 mod lights;
 mod limits;
+mod near;
 mod scenes;

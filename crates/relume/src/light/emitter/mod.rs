@@ -32,7 +32,7 @@ use super::HdrImage;
 pub use closed_form::ClosedForm;
 pub use cube_map::CubeMap;
 pub use error::EmitterError;
-pub use exact::light_at_vertices;
+pub use exact::{ExactParts, PlainFace, light_at_vertices};
 pub use file::{EmitterFileError, EntryError, from_json, load};
 pub use placed::{EmitterHit, Placed, PlacedPolygon, PlacedSphere};
 pub use sample::{Incident, LightGradient, Sampler, light_at};
