@@ -68,6 +68,18 @@ pub enum GpuError {
         /// The longest side the device allows.
         side: usize,
     },
+    /// More faces of near emitters than a texture of the device has room for.
+    #[error(
+        "near emitters of {faces} faces take {texels} texels; this device has room for {limit}: use emitters of fewer faces"
+    )]
+    Emitters {
+        /// That nothing hides.
+        faces: usize,
+        /// What they take.
+        texels: usize,
+        /// How many fit.
+        limit: usize,
+    },
     /// A material that glossy transfer does not know.
     #[error(transparent)]
     Anisotropic(#[from] Anisotropic),

@@ -8,6 +8,7 @@ use relume::basis::Order;
 
 use super::*;
 use crate::glossy::source;
+use crate::near_source;
 use crate::pipelines::{MATRICES, RELIGHT, VIEW};
 
 fn parsed(source: &str) -> naga::Module {
@@ -17,10 +18,12 @@ fn parsed(source: &str) -> naga::Module {
 #[test]
 fn every_shader_is_valid_without_any_extension() {
     let glossy = [1, 2, 5, 10].map(|n| source(Order::new(n).unwrap()));
+    let near = [(1, 1), (2, 3), (3, 1), (4, 3), (10, 1)]
+        .map(|(n, channels)| near_source::source(Order::new(n).unwrap(), channels));
     let plain = [RELIGHT, MATRICES, VIEW].into_iter();
     let lamps = crate::lamps::source();
-    let composed = glossy.iter().chain([&lamps]);
-    for source in plain.chain(composed.map(String::as_str)) {
+    let written = glossy.iter().chain(&near).chain([&lamps]);
+    for source in plain.chain(written.map(String::as_str)) {
         let validated =
             Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&parsed(source));
         if let Err(error) = validated {

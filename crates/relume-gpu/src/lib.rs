@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! Transfer ──upload──▶ pages of float texels ┐
-//! IncidentLight ──set_light──▶ light ────────┴─ relight pass ──▶ radiance of each side ─┐
+//! IncidentLight ──set_light──▶ light ────────┼─ relight pass ──▶ radiance of each side ─┐
+//! Placed ──stage_emitters──▶ faces, light ───┘                                          │
 //! World ──upload──▶ vertices, triangles, materials ─────────────────────────────────────┴─ view pass ──▶ picture
 //! ```
 //!
@@ -54,6 +55,8 @@ mod look;
 mod material;
 mod matrices;
 mod mesh;
+mod near;
+mod near_source;
 mod offscreen;
 mod order;
 mod pages;

@@ -2,7 +2,10 @@
 
 use relume::asset::Precision;
 use relume::light::{IncidentLight, ObjectLight, ShLight, VertexLight};
-use wgpu::{BindGroup, BindingResource, RenderPass, RenderPipeline, TextureFormat, TextureUsages};
+use wgpu::{
+    BindGroup, BindingResource, RenderPass, RenderPipeline, TextureFormat, TextureUsages,
+    TextureView,
+};
 
 use crate::GpuError;
 use crate::gpu::{Gpu, whole};
@@ -12,6 +15,7 @@ use crate::transfer::GpuTransfer;
 
 /// A light as the relight pass reads it.
 pub struct GpuLight {
+    pub lit: Lit,
     pub pipeline: RenderPipeline,
     bound: Bound,
     /// For the transfer's matrices, where it has some.
@@ -60,8 +64,9 @@ impl GpuLight {
         };
         let size = transfer.matrices.as_ref().map(|all| all.blocks.size);
         Ok(Self {
+            lit,
             pipeline: relight.pipeline(&gpu.device, lit, transfer.shape),
-            matrices: size.map(|size| relight.matrices(&gpu.device, lit, size)),
+            matrices: size.map(|size| relight.matrices(&gpu.device, lit, size, false)),
             bound,
             matrix_pages,
         })
@@ -156,6 +161,20 @@ fn by_vertex(
     transfer: &GpuTransfer,
     light: &VertexLight,
 ) -> Result<Vec<BindGroup>, GpuError> {
+    let pages = vertex_pages(gpu, transfer, light)?;
+    let group = |page: &TextureView| {
+        let resources = [(1, BindingResource::TextureView(page))];
+        gpu.group("light by vertex", layouts.light(Lit::Vertices), resources)
+    };
+    Ok(pages.iter().map(group).collect())
+}
+
+/// Pages of light by vertex, like those of the transfer.
+pub fn vertex_pages(
+    gpu: &Gpu,
+    transfer: &GpuTransfer,
+    light: &VertexLight,
+) -> Result<Vec<TextureView>, GpuError> {
     if light.vertex_count() != transfer.vertices {
         return Err(GpuError::Mismatch {
             what: "lights by vertex",
@@ -170,13 +189,12 @@ fn by_vertex(
         precision: Precision::F32,
     };
     let count = transfer.order.count();
-    let groups = transfer.pages.pages().map(|rows| {
+    let pages = transfer.pages.pages().map(|rows| {
         let page = layout.page(gpu, "light", &rows, |side, channel| {
             let here = light.coefficients(transfer.vertex(side));
             here.iter().take(count).map(move |rgb| rgb[channel])
         });
-        let resources = [(1, BindingResource::TextureView(&whole(&page)))];
-        gpu.group("light by vertex", layouts.light(Lit::Vertices), resources)
+        whole(&page)
     });
-    Ok(groups.collect())
+    Ok(pages.collect())
 }

@@ -15,8 +15,8 @@ use crate::GpuError;
 use crate::blocks::{Blocks, Size, sequence};
 use crate::gpu::{Gpu, whole};
 use crate::layouts::MatrixPage;
-use crate::light::GpuLight;
 use crate::pipelines::{Lit, RADIANCE_FORMAT, Relight};
+use crate::transfer::Lights;
 
 /// The matrices of every side on the device, and the transferred radiance they have been turned into.
 pub struct GpuMatrices {
@@ -96,10 +96,11 @@ impl GpuMatrices {
         &self,
         encoder: &mut CommandEncoder,
         layouts: &Relight,
-        light: &GpuLight,
+        Lights { light, near }: Lights,
         timestamps: Option<RenderPassTimestampWrites>,
     ) {
-        let Some(pipeline) = &light.matrices else {
+        let near_pipeline = near.and_then(|near| near.matrices.as_ref());
+        let Some(pipeline) = near_pipeline.or(light.matrices.as_ref()) else {
             return;
         };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -123,6 +124,9 @@ impl GpuMatrices {
         for (i, part) in self.parts.iter().enumerate() {
             pass.set_bind_group(0, &part.bind_group, &[]);
             light.bind_matrices(&mut pass, layouts, i);
+            if let Some(near) = near {
+                near.bind_matrices(&mut pass, i);
+            }
             let (top, rows) = (part.rows.start as f32, part.rows.len() as f32);
             pass.set_viewport(0.0, top, width, rows, 0.0, 1.0);
             pass.draw(0..3, 0..1);

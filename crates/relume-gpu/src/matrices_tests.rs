@@ -5,6 +5,7 @@ use relume::light::{IncidentLight, ObjectLight, ShLight};
 use relume::shade::TransferredRadiance;
 
 use super::*;
+use crate::light::GpuLight;
 use crate::transfer::GpuTransfer;
 
 /// Both software adapters; a line for each that is missing.
@@ -77,7 +78,11 @@ fn relit(gpu: &Gpu, transfer: &Transfer, light: &IncidentLight) -> Vec<f32> {
     let uploaded = GpuTransfer::new(gpu, &relight, transfer).unwrap();
     let light = GpuLight::new(gpu, &mut relight, &uploaded, light).unwrap();
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    uploaded.relight(&mut encoder, &relight, &light, None);
+    let lights = Lights {
+        light: &light,
+        near: None,
+    };
+    uploaded.relight(&mut encoder, &relight, lights, None);
     let matrices = uploaded.matrices.unwrap();
     let (width, height) = matrices.blocks.extent();
     let stride = (16 * width).next_multiple_of(256);

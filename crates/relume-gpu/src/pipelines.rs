@@ -11,6 +11,7 @@ use crate::Target;
 use crate::blocks::Size;
 use crate::gpu::Gpu;
 use crate::layouts::{DistantLight, Material, Page, Vertex, View, encoding};
+use crate::near::{NearKind, NearPass};
 use crate::pipeline::{
     Depth, EXACT, FILTERED, Pipeline, layout, sampler, shader, texture, uniform,
 };
@@ -39,7 +40,8 @@ pub struct Relight {
     pub distant: Ring,
     /// Those that were asked for.
     pipelines: Vec<((Lit, Shape), RenderPipeline)>,
-    matrix_pipelines: Vec<((Lit, Size), RenderPipeline)>,
+    matrix_pipelines: Vec<((Lit, Size, bool), RenderPipeline)>,
+    pub near: NearPass,
 }
 
 /// Kinds of light.
@@ -106,6 +108,7 @@ impl Relight {
             ],
             pipelines: Vec::new(),
             matrix_pipelines: Vec::new(),
+            near: NearPass::new(device),
         }
     }
 
@@ -123,7 +126,7 @@ impl Relight {
         let pipeline = Pipeline {
             shader: &self.shader,
             vertex: "cover",
-            fragment: lit.entry_point(),
+            fragment: lit.entry_point(false),
             groups: &[&self.page, self.light(lit)],
             target: RADIANCE_FORMAT.into(),
             mesh: None,
@@ -138,20 +141,34 @@ impl Relight {
         pipeline
     }
 
-    /// The pipeline of matrices for a kind of light, made when it is first asked for.
-    pub fn matrices(&mut self, device: &Device, lit: Lit, size: Size) -> RenderPipeline {
-        let known = &self.matrix_pipelines;
-        if let Some((_, made)) = known.iter().find(|(key, _)| *key == (lit, size)) {
+    /// The same with near emitters.
+    pub fn near(&mut self, device: &Device, lit: Lit, kind: NearKind) -> RenderPipeline {
+        let groups = [&self.page, &self.lights[lit as usize]];
+        self.near.pipeline(device, groups, lit, kind)
+    }
+
+    /// The pipeline of matrices for a kind of light, and one of near emitters or none, made when it is first asked for.
+    pub fn matrices(
+        &mut self,
+        device: &Device,
+        lit: Lit,
+        size: Size,
+        near: bool,
+    ) -> RenderPipeline {
+        let (known, key) = (&self.matrix_pipelines, (lit, size, near));
+        if let Some((_, made)) = known.iter().find(|(known, _)| *known == key) {
             return made.clone();
         }
+        let mut groups = vec![&self.page, &self.lights[lit as usize]];
+        groups.extend(near.then_some(&self.lights[Lit::Vertices as usize]));
         let shader = self
             .matrix_shader
             .get_or_insert_with(|| shader(device, "relight matrices", MATRICES));
         let pipeline = Pipeline {
             shader,
             vertex: "cover",
-            fragment: lit.entry_point(),
-            groups: &[&self.page, &self.lights[lit as usize]],
+            fragment: lit.entry_point(near),
+            groups: &groups,
             target: RADIANCE_FORMAT.into(),
             mesh: None,
             depth: None,
@@ -162,18 +179,21 @@ impl Relight {
             ],
         };
         let pipeline = pipeline.create(device);
-        self.matrix_pipelines.push(((lit, size), pipeline.clone()));
+        self.matrix_pipelines.push((key, pipeline.clone()));
         pipeline
     }
 }
 
 impl Lit {
-    /// Of relight.wgsl and of matrices.wgsl.
-    fn entry_point(self) -> &'static str {
-        match self {
-            Self::Distant => "relight_distant",
-            Self::Objects => "relight_objects",
-            Self::Vertices => "relight_vertices",
+    /// Of relight.wgsl and near.wgsl, and of matrices.wgsl.
+    pub fn entry_point(self, near: bool) -> &'static str {
+        match (self, near) {
+            (Self::Distant, false) => "relight_distant",
+            (Self::Objects, false) => "relight_objects",
+            (Self::Vertices, false) => "relight_vertices",
+            (Self::Distant, true) => "near_distant",
+            (Self::Objects, true) => "near_objects",
+            (Self::Vertices, true) => "near_vertices",
         }
     }
 }

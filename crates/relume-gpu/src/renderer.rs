@@ -18,11 +18,14 @@ use crate::layouts::View;
 use crate::light::GpuLight;
 use crate::material::{self, GpuMaterial, Passes};
 use crate::mesh::Mesh;
+use crate::near::{GpuNear, Places};
 use crate::pipelines::{Relight, ViewPass};
 use crate::ring::Ring;
 use crate::tiles::{self, Frames};
-use crate::transfer::GpuTransfer;
+use crate::transfer::{GpuTransfer, Lights};
 use crate::{GpuError, Look, MaterialEdit, Surface, Target};
+
+mod emitters;
 
 /// Draws one baked scene in changing light.
 pub struct Renderer {
@@ -45,6 +48,8 @@ struct Scene {
     frames: Option<Frames>,
     radiance: BindGroup,
     light: Option<GpuLight>,
+    places: Places,
+    near: Option<GpuNear>,
     /// Where transfer matrices were uploaded.
     glossy: Option<Glossy>,
 }
@@ -111,6 +116,8 @@ impl Renderer {
             transfer: uploaded,
             frames,
             light: None,
+            places: Places::new(&world.positions),
+            near: None,
         });
         Ok(())
     }
@@ -144,7 +151,9 @@ impl Renderer {
         let radiance = self.radiance_group(&uploaded);
         let transferred = self.transferred_group(&uploaded);
         if let Some(scene) = &mut self.scene {
-            (scene.transfer, scene.radiance, scene.light) = (uploaded, radiance, None);
+            (scene.transfer, scene.radiance) = (uploaded, radiance);
+            (scene.light, scene.near) = (None, None);
+            scene.places.forget_texture();
             if let Some(glossy) = &mut scene.glossy {
                 glossy.transferred = transferred;
             }
@@ -224,6 +233,7 @@ impl Renderer {
         let scene = self.scene.as_mut().ok_or(GpuError::NoScene)?;
         let light = GpuLight::new(&self.gpu, &mut self.relight, &scene.transfer, light)?;
         scene.light = Some(light);
+        scene.prepare_near(&self.gpu, &mut self.relight);
         Ok(())
     }
 
@@ -260,9 +270,13 @@ impl Renderer {
         if let Some(scene) = &self.scene
             && let Some(light) = &scene.light
         {
+            let lights = Lights {
+                light,
+                near: scene.near.as_ref(),
+            };
             scene
                 .transfer
-                .relight(encoder, &self.relight, light, timestamps);
+                .relight(encoder, &self.relight, lights, timestamps);
         }
     }
 

@@ -10,6 +10,7 @@ use crate::gpu::{Gpu, whole};
 use crate::layouts::Page;
 use crate::light::GpuLight;
 use crate::matrices::GpuMatrices;
+use crate::near::GpuNear;
 use crate::pages::Pages;
 use crate::pipelines::{RADIANCE_FORMAT, Relight, Shape};
 use crate::sides::Layout;
@@ -26,6 +27,13 @@ pub struct GpuTransfer {
     pub radiance: Texture,
     pub matrices: Option<GpuMatrices>,
     parts: Vec<Part>,
+}
+
+/// What the relight passes add up.
+#[derive(Clone, Copy)]
+pub struct Lights<'a> {
+    pub light: &'a GpuLight,
+    pub near: Option<&'a GpuNear>,
 }
 
 /// A page of transfer.
@@ -100,7 +108,7 @@ impl GpuTransfer {
         &self,
         encoder: &mut CommandEncoder,
         layouts: &Relight,
-        light: &GpuLight,
+        light: Lights,
         timestamps: Option<RenderPassTimestampWrites>,
     ) {
         let Some(matrices) = &self.matrices else {
@@ -149,7 +157,7 @@ impl GpuTransfer {
         &self,
         encoder: &mut CommandEncoder,
         layouts: &Relight,
-        light: &GpuLight,
+        Lights { light, near }: Lights,
         timestamps: Option<RenderPassTimestampWrites>,
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -168,10 +176,13 @@ impl GpuTransfer {
             occlusion_query_set: None,
             multiview_mask: None,
         });
-        pass.set_pipeline(&light.pipeline);
+        pass.set_pipeline(near.and_then(GpuNear::pipeline).unwrap_or(&light.pipeline));
         for (i, part) in self.parts.iter().enumerate() {
             pass.set_bind_group(0, &part.bind_group, &[]);
             light.bind(&mut pass, layouts, i);
+            if let Some(near) = near {
+                near.bind(&mut pass, i);
+            }
             let (top, rows) = (part.rows.start as f32, part.rows.len() as f32);
             pass.set_viewport(0.0, top, self.pages.width as f32, rows, 0.0, 1.0);
             pass.draw(0..3, 0..1);

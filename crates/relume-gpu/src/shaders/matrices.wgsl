@@ -30,6 +30,8 @@ struct DistantLight {
 @group(1) @binding(0) var<uniform> distant: DistantLight;
 @group(1) @binding(1) var light: texture_2d<f32>;
 @group(1) @binding(2) var objects: texture_2d<u32>;
+// Light of near emitters: a page like that of light by vertex.
+@group(2) @binding(1) var near_light: texture_2d<f32>;
 
 // A triangle that covers the viewport.
 @vertex
@@ -76,19 +78,15 @@ fn response(block: Block, quad: u32, light: vec4f) -> vec4f {
         + light.w * textureLoad(matrices, texel(first + 12u), 0);
 }
 
-@fragment
-fn relight_distant(@builtin(position) at: vec4f) -> @location(0) vec4u {
-    let block = block_at(at);
+fn distant_sum(block: Block) -> vec4f {
     var sum = vec4f();
     for (var quad = 0u; quad < LIGHT_QUADS; quad++) {
         sum += response(block, quad, distant.quads[block.channel * LIGHT_QUADS + quad]);
     }
-    return bitcast<vec4u>(sum);
+    return sum;
 }
 
-@fragment
-fn relight_objects(@builtin(position) at: vec4f) -> @location(0) vec4u {
-    let block = block_at(at);
+fn objects_sum(block: Block) -> vec4f {
     let side = block.side + page.first_row * page.across;
     let row = side >> page.objects_log2;
     let object = textureLoad(objects, vec2u(side - (row << page.objects_log2), row), 0).x;
@@ -97,16 +95,50 @@ fn relight_objects(@builtin(position) at: vec4f) -> @location(0) vec4u {
         let place = vec2u(block.channel * LIGHT_QUADS + quad, object);
         sum += response(block, quad, textureLoad(light, place, 0));
     }
-    return bitcast<vec4u>(sum);
+    return sum;
+}
+
+// Of a page of light.
+fn vertices_sum(block: Block, lights: texture_2d<f32>) -> vec4f {
+    let first = (block.side * 3u + block.channel) * LIGHT_QUADS;
+    var sum = vec4f();
+    for (var quad = 0u; quad < LIGHT_QUADS; quad++) {
+        sum += response(block, quad, textureLoad(lights, texel(first + quad), 0));
+    }
+    return sum;
+}
+
+@fragment
+fn relight_distant(@builtin(position) at: vec4f) -> @location(0) vec4u {
+    return bitcast<vec4u>(distant_sum(block_at(at)));
+}
+
+@fragment
+fn relight_objects(@builtin(position) at: vec4f) -> @location(0) vec4u {
+    return bitcast<vec4u>(objects_sum(block_at(at)));
 }
 
 @fragment
 fn relight_vertices(@builtin(position) at: vec4f) -> @location(0) vec4u {
+    return bitcast<vec4u>(vertices_sum(block_at(at), light));
+}
+
+// And of near emitters, at every vertex.
+
+@fragment
+fn near_distant(@builtin(position) at: vec4f) -> @location(0) vec4u {
     let block = block_at(at);
-    let first = (block.side * 3u + block.channel) * LIGHT_QUADS;
-    var sum = vec4f();
-    for (var quad = 0u; quad < LIGHT_QUADS; quad++) {
-        sum += response(block, quad, textureLoad(light, texel(first + quad), 0));
-    }
-    return bitcast<vec4u>(sum);
+    return bitcast<vec4u>(distant_sum(block) + vertices_sum(block, near_light));
+}
+
+@fragment
+fn near_objects(@builtin(position) at: vec4f) -> @location(0) vec4u {
+    let block = block_at(at);
+    return bitcast<vec4u>(objects_sum(block) + vertices_sum(block, near_light));
+}
+
+@fragment
+fn near_vertices(@builtin(position) at: vec4f) -> @location(0) vec4u {
+    let block = block_at(at);
+    return bitcast<vec4u>(vertices_sum(block, light) + vertices_sum(block, near_light));
 }

@@ -60,9 +60,7 @@ fn response(place: vec2u, quad: u32, red: vec4f, green: vec4f, blue: vec4f) -> v
     return vec3f(dot(first, red), dot(second, green), dot(third, blue));
 }
 
-@fragment
-fn relight_distant(@builtin(position) at: vec4f) -> @location(0) vec4u {
-    let place = vec2u(at.xy);
+fn distant_sum(place: vec2u) -> vec3f {
     var sum = vec3f();
     for (var quad = 0u; quad < QUADS; quad++) {
         let red = distant.quads[quad];
@@ -70,12 +68,10 @@ fn relight_distant(@builtin(position) at: vec4f) -> @location(0) vec4u {
         let blue = distant.quads[2u * QUADS + quad];
         sum += response(place, quad, red, green, blue);
     }
-    return bitcast<vec4u>(vec4f(sum, 1.0));
+    return sum;
 }
 
-@fragment
-fn relight_objects(@builtin(position) at: vec4f) -> @location(0) vec4u {
-    let place = vec2u(at.xy);
+fn objects_sum(place: vec2u) -> vec3f {
     let object = textureLoad(objects, place, 0).x;
     var sum = vec3f();
     for (var quad = 0u; quad < QUADS; quad++) {
@@ -84,18 +80,36 @@ fn relight_objects(@builtin(position) at: vec4f) -> @location(0) vec4u {
         let blue = textureLoad(light, vec2u(2u * QUADS + quad, object), 0);
         sum += response(place, quad, red, green, blue);
     }
-    return bitcast<vec4u>(vec4f(sum, 1.0));
+    return sum;
+}
+
+// Of a page of light.
+fn vertices_sum(place: vec2u, lights: texture_2d<f32>) -> vec3f {
+    var sum = vec3f();
+    for (var quad = 0u; quad < QUADS; quad++) {
+        let red = textureLoad(lights, texel(place, 3u * QUADS, quad), 0);
+        let green = textureLoad(lights, texel(place, 3u * QUADS, QUADS + quad), 0);
+        let blue = textureLoad(lights, texel(place, 3u * QUADS, 2u * QUADS + quad), 0);
+        sum += response(place, quad, red, green, blue);
+    }
+    return sum;
+}
+
+fn bits(radiance: vec3f) -> vec4u {
+    return bitcast<vec4u>(vec4f(radiance, 1.0));
+}
+
+@fragment
+fn relight_distant(@builtin(position) at: vec4f) -> @location(0) vec4u {
+    return bits(distant_sum(vec2u(at.xy)));
+}
+
+@fragment
+fn relight_objects(@builtin(position) at: vec4f) -> @location(0) vec4u {
+    return bits(objects_sum(vec2u(at.xy)));
 }
 
 @fragment
 fn relight_vertices(@builtin(position) at: vec4f) -> @location(0) vec4u {
-    let place = vec2u(at.xy);
-    var sum = vec3f();
-    for (var quad = 0u; quad < QUADS; quad++) {
-        let red = textureLoad(light, texel(place, 3u * QUADS, quad), 0);
-        let green = textureLoad(light, texel(place, 3u * QUADS, QUADS + quad), 0);
-        let blue = textureLoad(light, texel(place, 3u * QUADS, 2u * QUADS + quad), 0);
-        sum += response(place, quad, red, green, blue);
-    }
-    return bitcast<vec4u>(vec4f(sum, 1.0));
+    return bits(vertices_sum(vec2u(at.xy), light));
 }

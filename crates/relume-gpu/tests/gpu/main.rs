@@ -4,10 +4,12 @@
 
 mod compare;
 mod device;
+mod emitters;
 mod features;
 mod glossy;
 mod golden;
 mod lamps;
 mod lights;
 mod limits;
+mod near;
 mod scenes;

@@ -100,8 +100,8 @@ impl PolygonHarmonics {
         self.order
     }
 
-    /// Factors from R_l^m to Y_lm, at l(l+1)/2 + m.
-    pub(crate) fn scales(&self) -> &[f64] {
+    /// Factors from solid harmonics to the basis, at l(l+1)/2 + m, 0 ≤ m ≤ l: Y_lm = factor · Re R_l^m, and Y_l,−m = factor · Im R_l^m.
+    pub fn scales(&self) -> &[f64] {
         &self.scales
     }
 

@@ -2,38 +2,24 @@
 
 use glam::{DVec3, Vec3};
 
+use super::exact::{ExactParts, PlainFace};
 use crate::basis::{Order, index, sh};
 use crate::simd::{Kernel, Lanes, Level, Mask};
 
-/// The highest order: beyond, factorials leave f32's reach.
-pub const MOST_ORDER: usize = 10;
 /// Places of l(l+1)/2 + m.
-const PLACES: usize = MOST_ORDER * (MOST_ORDER + 1) / 2;
-/// Faces whose radius is less than this share of their distance are summed by points: edges cancel too much.
-const SMALL: f32 = 0.3;
+const PLACES: usize = ExactParts::MOST_ORDER * (ExactParts::MOST_ORDER + 1) / 2;
+/// See [`ExactParts::SMALL`].
+const SMALL: f32 = ExactParts::SMALL;
 
 /// Lanes of the widest vector.
 const WIDE: usize = 16;
-
-/// A flat convex face of one radiance.
-pub struct Face {
-    /// Counter-clockwise about the normal.
-    pub corners: Vec<DVec3>,
-    /// Points on it, and the areas they stand for.
-    pub nodes: Vec<(DVec3, f64)>,
-    pub normal: DVec3,
-    pub centre: DVec3,
-    pub radius: f64,
-    pub two_sided: bool,
-    pub radiance: [f32; 3],
-}
 
 /// Adds up faces at some vertices.
 pub struct Faces<'a> {
     pub order: Order,
     /// From solid harmonics R_l^m to Y_lm, at l(l+1)/2 + m.
     pub scales: &'a [f32],
-    pub faces: &'a [Face],
+    pub faces: &'a [PlainFace],
     pub positions: &'a [Vec3],
     /// `[vertices][order²][3]`.
     pub rows: &'a mut [f32],
@@ -112,7 +98,7 @@ impl<'a, L: Lanes> Work<'a, L> {
     }
 
     #[inline(always)]
-    fn integrate(&mut self, face: &Face, origin: DVec3, at: Point<L>) {
+    fn integrate(&mut self, face: &PlainFace, origin: DVec3, at: Point<L>) {
         self.values.fill(L::splat(0.0));
         let zero = L::splat(0.0);
         let centre = minus(splat(face.centre - origin), at);
@@ -150,7 +136,7 @@ impl<'a, L: Lanes> Work<'a, L> {
 
     /// Sums over the face's points of height/r³ Y_i, negative from behind.
     #[inline(always)]
-    fn by_points(&mut self, face: &Face, origin: DVec3, at: Point<L>, height: L) {
+    fn by_points(&mut self, face: &PlainFace, origin: DVec3, at: Point<L>, height: L) {
         let one = L::splat(1.0);
         for &(node, area) in &face.nodes {
             let apart = minus(splat(node - origin), at);
@@ -172,7 +158,7 @@ impl<'a, L: Lanes> Work<'a, L> {
 
     /// By the face's edges: `∫ Y_i dω` of lanes in which the face is not small.
     #[inline(always)]
-    fn by_edges(&mut self, face: &Face, origin: DVec3, at: Point<L>) {
+    fn by_edges(&mut self, face: &PlainFace, origin: DVec3, at: Point<L>) {
         let (n, zero) = (self.n, L::splat(0.0));
         let none = [(zero, zero); PLACES];
         let corners = &face.corners;

@@ -33,7 +33,7 @@ use super::HdrImage;
 pub use closed_form::ClosedForm;
 pub use cube_map::CubeMap;
 pub use error::EmitterError;
-pub use exact::light_at_vertices;
+pub use exact::{ExactParts, PlainFace, light_at_vertices};
 pub use file::{EmitterFileError, EntryError, from_json, load};
 pub(in crate::light) use occluders::Ball;
 pub use placed::{EmitterHit, Placed, PlacedPolygon, PlacedSphere};
