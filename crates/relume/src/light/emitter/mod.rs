@@ -11,6 +11,7 @@ mod cube_map;
 mod error;
 mod exact;
 mod exact_kernel;
+mod face_tree;
 mod file;
 mod occluders;
 mod pattern;

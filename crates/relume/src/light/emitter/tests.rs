@@ -3,6 +3,7 @@
 use super::*;
 
 mod exact;
+mod rays;
 mod samplers;
 
 pub fn of(shape: Shape, pattern: Pattern) -> Emitter {
