@@ -1,6 +1,7 @@
 //! What every input must hold: an error, or something whole.
 
 mod checkpoint;
+mod emitters;
 
 use std::collections::BTreeMap;
 
@@ -12,6 +13,7 @@ use relume::light::{EnvMap, Environment, HdrImage, LayoutChoice, LightFile, MAX_
 use relume::scene::{ImportOptions, Scene, SceneError, SceneFormat, World, from_bytes};
 
 pub use checkpoint::checkpoint;
+pub use emitters::emitters_json;
 
 /// Scenes and images larger than this are only read: what comes after takes its time.
 const SMALL: usize = 1 << 12;

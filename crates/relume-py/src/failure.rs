@@ -36,6 +36,14 @@ pub fn light(error: &LightError) -> PyErr {
     }
 }
 
+/// The operating system's own error (`FileNotFoundError` and its kin), in the library's words.
+pub fn system(source: &std::io::Error, message: String) -> PyErr {
+    match source.raw_os_error() {
+        Some(number) => PyOSError::new_err((number, message)),
+        None => std::io::Error::new(source.kind(), message).into(),
+    }
+}
+
 /// Not enough memory for a result.
 pub fn memory(bytes: u64) -> PyErr {
     PyMemoryError::new_err(format!(

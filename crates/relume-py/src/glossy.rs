@@ -1,5 +1,6 @@
 //! `_relume.bake_glossy`, `_relume.surfaces` and `_relume.shade_glossy`
 
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -16,11 +17,12 @@ use relume::bake::BakeOptions;
 use relume::basis::Order;
 use relume::brdf::{Merl, MerlError, Phong, Reflection};
 use relume::files::Rows;
-use relume::light::{IncidentLight, ShLight};
+use relume::light::{IncidentLight, VertexLight};
 use relume::scene::{self, Material, Scene, World};
 use relume::shade::{Outgoing, TransferredRadiance};
 
 use crate::bake::{self, triangles};
+use crate::shade::{Light, order_of};
 use crate::{failure, rows, work};
 
 /// The highest transfer order that nobody asked for, as in the program.
@@ -219,7 +221,7 @@ pub fn surfaces<'py>(
     Ok(Surfaces(outgoing))
 }
 
-/// Radiance toward `eye` `[V, 3]`: `matrices` [V, C, m², n²] applied to `light` [k², 3], as `surfaces` reflect it.
+/// Radiance toward `eye` `[V, 3]`: `matrices` [V, C, m², n²] applied to `light` [k², 3] or [V, k², 3], as `surfaces` reflect it.
 #[pyfunction]
 #[pyo3(signature = (matrices, light, *, eye, surfaces))]
 #[allow(
@@ -229,18 +231,18 @@ pub fn surfaces<'py>(
 pub fn shade_glossy<'py>(
     py: Python<'py>,
     matrices: PyReadonlyArray4<'py, f32>,
-    light: PyReadonlyArray2<'py, f32>,
+    light: Light<'py>,
     eye: (f64, f64, f64),
     surfaces: Bound<'py, Surfaces>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let &[vertices, channels, rows_of, columns] = matrices.shape() else {
         return Err(failure::value("matrices", "not of four dimensions"));
     };
-    let of =
-        |argument, count| Order::from_count(count).map_err(|error| failure::value(argument, error));
-    let (order, height) = (of("matrices", columns)?, of("matrices", rows_of)?);
-    let light: Vec<[f32; 3]> = rows("light", &light)?;
-    let light = IncidentLight::Distant(ShLight::new(of("light", light.len())?, light));
+    let (order, height) = (
+        order_of("matrices", columns)?,
+        order_of("matrices", rows_of)?,
+    );
+    let light = light.incident(vertices)?;
     let stride = channels * rows_of * columns;
     let mut transferred = TransferredRadiance {
         order: height,
@@ -248,17 +250,13 @@ pub fn shade_glossy<'py>(
         back: Vec::new(),
     };
     let pool = work::pool()?;
-    let piece = (PIECE / 4 / stride).max(1) * stride;
-    for piece in matrices.as_slice()?.chunks(piece) {
-        let some = transfer(
-            order,
-            channels,
-            height,
-            piece.to_vec().into(),
-            piece.len() / stride,
-        );
+    let most = (PIECE / 4 / stride).max(1);
+    for (i, piece) in matrices.as_slice()?.chunks(most * stride).enumerate() {
+        let count = piece.len() / stride;
+        let some = transfer(order, channels, height, piece.to_vec().into(), count);
+        let here = light_of(&light, i * most..i * most + count);
         let more = work::brief(py, || {
-            pool.install(|| TransferredRadiance::new(&some, &light))
+            pool.install(|| TransferredRadiance::new(&some, &here))
         })?;
         transferred
             .front
@@ -271,6 +269,16 @@ pub fn shade_glossy<'py>(
         pool.install(|| outgoing.radiance(&all, &transferred, eye))
     })?;
     PyArray1::from_vec(py, radiance.into_flattened()).reshape([vertices, 3])
+}
+
+/// The light of some vertices.
+fn light_of(light: &IncidentLight, vertices: Range<usize>) -> IncidentLight {
+    let IncidentLight::PerVertex(light) = light else {
+        return light.clone();
+    };
+    let rows = vertices.flat_map(|vertex| light.coefficients(vertex));
+    let rows = VertexLight::new(light.order(), rows.copied().collect());
+    IncidentLight::PerVertex(rows)
 }
 
 /// A transfer of matrices alone.

@@ -3,9 +3,12 @@
 //! Arrays come contiguous, of the types named here, and are copied while the interpreter is held; the work runs without it.
 
 mod bake;
+mod direct;
+mod emitters;
 mod failure;
 mod glossy;
 mod light;
+mod near;
 mod shade;
 mod work;
 
@@ -18,9 +21,15 @@ mod _relume {
     #[pymodule_export]
     use super::bake::bake;
     #[pymodule_export]
+    use super::direct::{bake_direct, shade_direct};
+    #[pymodule_export]
+    use super::emitters::{emitter_poses, emitters, load_emitters, set_pose};
+    #[pymodule_export]
     use super::glossy::{bake_glossy, shade_glossy, surfaces};
     #[pymodule_export]
     use super::light::light;
+    #[pymodule_export]
+    use super::near::{incident, light_at, read_light, sampled_light_at, write_light};
     #[pymodule_export]
     use super::shade::shade;
 

@@ -134,8 +134,8 @@ SHADE = [
     (dict(transfer=np.zeros((9, 1, 24))), "transfer: has the shape [9, 1, 24]; give what relume.bake returns, an array [V, 1 or 3, order²] of floats"),
     (dict(transfer=np.full((9, 1, 1), np.nan)), "transfer: [0, 0, 0] is nan, which is not a finite 32-bit number; repair it"),
     (dict(transfer="out.glb"), "transfer: holds <U7; give what relume.bake returns, an array [V, 1 or 3, order²] of floats"),
-    (dict(light=np.zeros((24, 3))), "light: has the shape [24, 3]; give what relume.light returns, an array [order², 3] of floats"),
-    (dict(light=np.zeros((3, 25))), "light: has the shape [3, 25]; give what relume.light returns, an array [order², 3] of floats"),
+    (dict(light=np.zeros((24, 3))), "light: has the shape [24, 3]; give what relume.light returns, an array [order², 3] of floats, or [V, order², 3]"),
+    (dict(light=np.zeros((3, 25))), "light: has the shape [3, 25]; give what relume.light returns, an array [order², 3] of floats, or [V, order², 3]"),
     (dict(light=np.full((25, 3), np.inf)), "light: [0, 0] is inf, which is not a finite 32-bit number; repair it"),
     (dict(albedo=2), "albedo: 2 … 2 is not within 0…1, the share of light reflected"),
     (

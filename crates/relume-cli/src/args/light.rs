@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 use relume::basis::Order;
 use relume::light::{EnvSpec, LayoutChoice, Turn, WindowChoice};
 
@@ -10,13 +10,10 @@ use super::parse;
 
 /// What shines on an asset: all that is given adds up.
 #[derive(Args)]
+#[command(group = ArgGroup::new("shining").args(["env", "emitters"]).required(true).multiple(true))]
 pub struct LightArgs {
     /// The light: an image (.hdr, .exr, .dds, .pfm, …), six faces 'sky_{px,nx,py,ny,pz,nz}.hdr', a light.json, a light.npz, constant:R,G,B, sun:X,Y,Z,DEG,R,G,B or sky:ELEVATION,TURBIDITY
-    #[arg(
-        long = "light",
-        value_name = "ENV",
-        required_unless_present = "emitters"
-    )]
+    #[arg(long = "light", value_name = "ENV")]
     pub env: Option<EnvSpec>,
     /// Lights that stand near: an emitters.json (docs/format.md), or a .glb or .gltf, of which what is emissive shines
     #[arg(long, value_name = "FILE")]
@@ -50,10 +47,10 @@ Examples:
   relume light 'cube_{px,nx,py,ny,pz,nz}.exr' -o light.json      quoted, or the shell takes it apart
   relume light sky:25,3 -o light.json --rotate 0,1,0:90
   relume light --emitters lamps.json --for baked.glb -o light.npz              near lights, at every vertex
-  relume light --emitters lamps.json --for baked.glb -o light.npz --budget 256   from so many samples and their gradients")]
+  relume light --emitters lamps.json --for baked.glb -o light.npz --budget 256   from so many samples and their gradients",
+    group = ArgGroup::new("shining").args(["env", "emitters"]).required(true).multiple(true))]
 pub struct LightFileArgs {
     /// The light: an image, six faces 'sky_{px,nx,py,ny,pz,nz}.hdr', a light.json, constant:R,G,B, sun:X,Y,Z,DEG,R,G,B or sky:ELEVATION,TURBIDITY
-    #[arg(required_unless_present = "emitters")]
     pub env: Option<EnvSpec>,
     /// Lights that stand near, added at every vertex: an emitters.json, or a .glb or .gltf, of which what is emissive shines
     #[arg(long, value_name = "FILE", requires = "asset")]

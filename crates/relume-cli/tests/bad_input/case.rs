@@ -133,6 +133,7 @@ fn target(file: &str, line: &str) -> Option<&'static str> {
         "obj" => "obj",
         "mtl" => "mtl",
         "ply" => "ply",
+        "json" if line.contains("--emitters") => "emitters_json",
         "json" => "light_json",
         "dds" => "dds",
         "binary" => "merl",

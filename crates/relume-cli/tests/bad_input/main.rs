@@ -15,6 +15,7 @@ mod assets;
 mod bytes;
 mod case;
 mod checkpoint;
+mod emitters;
 mod glossy;
 mod gltf;
 mod images;
@@ -32,7 +33,7 @@ use outcome::Bench;
 fn whatever_is_wrong_is_said_in_one_line_and_leaves_everything_as_it_was() {
     let bench = Bench::new();
     let made = bench.made();
-    let tables: [(&str, Vec<Case>); 12] = [
+    let tables: [(&str, Vec<Case>); 13] = [
         ("gltf", gltf::cases()),
         ("accessors", accessors::cases()),
         ("nodes", nodes::cases()),
@@ -43,6 +44,7 @@ fn whatever_is_wrong_is_said_in_one_line_and_leaves_everything_as_it_was() {
         ("json", json::cases()),
         ("assets", assets::cases(&made)),
         ("glossy", glossy::cases(&made)),
+        ("emitters", emitters::cases(&made)),
         ("arguments", arguments::cases()),
         ("checkpoint", checkpoint::cases()),
     ];

@@ -4,6 +4,7 @@
     light  a light    → coefficients     [n², 3]         for each light
     shade  both       → radiance         [V, 3]          for each frame
 
+Lights that stand near: `relume.Emitters`, whose `light_at(vertices)` is light for each vertex, [V, n², 3].
 Surfaces that look different from each side: `bake(…, transfer="glossy", brdf=relume.Ggx(…))`, then `shade(…, eye=…)`.
 
 Axes are right-handed with y up. Spherical harmonics are real and orthonormal, without Condon–Shortley phase, at index l(l + 1) + m; *order* n
@@ -25,6 +26,7 @@ means the degrees 0…n − 1, n² coefficients. Colours are linear Rec. 709. Li
 
 from __future__ import annotations
 
+import math
 import os
 import warnings
 from collections.abc import Sequence
@@ -35,10 +37,37 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _arguments, _relume
 from ._brdf import Brdf, Ggx, Lambert, Measured, Phong
+from ._direct import DirectTransfer
+from ._emitters import Emitters, Incident, SampledLight
 from ._glossy import GlossyTransfer
+from ._light_file import read_light, write_light
 from ._relume import __version__
+from ._shapes import Blocks, Cuboid, Disc, Emitter, Mesh, Quad, Sphere
 
-__all__ = ["Ggx", "GlossyTransfer", "Lambert", "Measured", "Phong", "__version__", "bake", "light", "shade"]
+__all__ = [
+    "Blocks",
+    "Cuboid",
+    "DirectTransfer",
+    "Disc",
+    "Emitter",
+    "Emitters",
+    "Ggx",
+    "GlossyTransfer",
+    "Incident",
+    "Lambert",
+    "Measured",
+    "Mesh",
+    "Phong",
+    "Quad",
+    "SampledLight",
+    "Sphere",
+    "__version__",
+    "bake",
+    "light",
+    "read_light",
+    "shade",
+    "write_light",
+]
 
 
 class _Options(TypedDict):
@@ -48,7 +77,6 @@ class _Options(TypedDict):
     albedo: NDArray[np.float32]
     order: int
     samples: int
-    bounces: int
     seed: int
     threads: int | None
     double_sided: bool
@@ -103,6 +131,20 @@ def bake(
     transfer_order: int | None = ...,
     brdf: Brdf | None = ...,
 ) -> GlossyTransfer: ...
+@overload
+def bake(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    *,
+    normals: ArrayLike | None = ...,
+    albedo: ArrayLike = ...,
+    order: int = ...,
+    samples: int = ...,
+    seed: int = ...,
+    threads: int | None = ...,
+    double_sided: bool = ...,
+    gather: Literal[True],
+) -> DirectTransfer: ...
 def bake(
     vertices: ArrayLike,
     faces: ArrayLike,
@@ -119,7 +161,8 @@ def bake(
     transfer: Literal["diffuse", "glossy"] = "diffuse",
     transfer_order: int | None = None,
     brdf: Brdf | None = None,
-) -> NDArray[np.float32] | tuple[NDArray[np.float32], NDArray[np.bool_]] | GlossyTransfer:
+    gather: bool = False,
+) -> NDArray[np.float32] | tuple[NDArray[np.float32], NDArray[np.bool_]] | GlossyTransfer | DirectTransfer:
     """Bakes the diffuse transfer vector of every vertex, or its transfer matrix: shadowed direct light and `bounces` interreflections.
 
     Returns float32 [V, C, order²], in the order of `vertices`; C is 1 without bounces and 3 (linear red, green, blue) with them. A row is the
@@ -152,12 +195,17 @@ def bake(
     brdf            how all surfaces reflect: relume.Lambert() (also for None), Phong(kd, ks, exponent), Ggx(base_color, metallic, roughness) or
                     Measured("file.binary").
 
+    With gather=True the result is a `relume.DirectTransfer`: direct transfer, and the gather operator by which `relume.shade` makes bounces of any light,
+    light that varies over the object too. Transfer with `bounces` folded in is for distant light alone.
+
+    gather  whether; then `bounces` is 0.
+
     The GIL is released. Ctrl-C raises KeyboardInterrupt at once when called from the main thread, the one that Python tells of it.
 
     Raises ValueError, in one line that starts with the name of the argument, for everything that is not as above; MemoryError when the result
     would not fit. What was repaired is said by warnings.warn.
     """
-    glossy = _arguments.is_glossy(transfer, transfer_order=transfer_order, brdf=brdf, return_valid=return_valid)
+    glossy = _arguments.is_glossy(transfer, transfer_order=transfer_order, brdf=brdf, return_valid=return_valid, gather=gather, bounces=bounces)
     points = _arguments.vertices(vertices)
     how = Lambert() if brdf is None else brdf
     if isinstance(how, Ggx) and how.base_color is not None:
@@ -168,23 +216,29 @@ def bake(
         albedo=_arguments.albedo(albedo, len(points)),
         order=_arguments.integer("order", order, 1, _arguments.MAX_ORDER),
         samples=_arguments.integer("samples", samples, 1, _arguments.MAX_SAMPLES),
-        bounces=_arguments.integer("bounces", bounces, 0, _arguments.MAX_BOUNCES),
         seed=_arguments.integer("seed", seed, 0, _arguments.MAX_SEED),
         threads=None if threads is None else _arguments.integer("threads", threads, 1, _arguments.MAX_THREADS),
         double_sided=bool(double_sided),
     )
-    result: NDArray[np.float32] | GlossyTransfer
+    folded = _arguments.integer("bounces", bounces, 0, _arguments.MAX_BOUNCES)
+    result: NDArray[np.float32] | tuple[NDArray[np.float32], NDArray[np.bool_]] | GlossyTransfer | DirectTransfer
     if glossy:
         height = None if transfer_order is None else _arguments.integer("transfer_order", transfer_order, 1, _arguments.MAX_ORDER)
-        matrices, valid, made, own, repairs = _relume.bake_glossy(*arrays, transfer_order=height, brdf=_arguments.brdf(how), **options)
+        matrices, valid, made, own, repairs = _relume.bake_glossy(
+            *arrays, transfer_order=height, brdf=_arguments.brdf(how), bounces=folded, **options
+        )
         result = GlossyTransfer(matrices, valid, points, made, own, how)
+    elif gather:
+        (vectors, valid, behind, backs), operator, repairs = _relume.bake_direct(*arrays, **options)
+        result = DirectTransfer(vectors, valid, points, behind, backs, *operator)
     else:
-        result, valid, repairs = _relume.bake(*arrays, **options)
+        vectors, valid, repairs = _relume.bake(*arrays, bounces=folded, **options)
+        result = (vectors, valid) if return_valid else vectors
     for repair in repairs:
         # Normals that were not given are no repair.
         if normals is not None or "normal" not in repair:
             warnings.warn(repair, stacklevel=2)
-    return (result, valid) if return_valid and not isinstance(result, GlossyTransfer) else result
+    return result
 
 
 def light(
@@ -236,35 +290,67 @@ def light(
 @overload
 def shade(transfer: ArrayLike, light: ArrayLike, *, albedo: ArrayLike | None = ...) -> NDArray[np.float32]: ...
 @overload
-def shade(transfer: GlossyTransfer, light: ArrayLike, *, eye: ArrayLike) -> NDArray[np.float32]: ...
+def shade(transfer: GlossyTransfer, light: ArrayLike | Emitters, *, eye: ArrayLike) -> NDArray[np.float32]: ...
+@overload
 def shade(
-    transfer: ArrayLike | GlossyTransfer, light: ArrayLike, *, albedo: ArrayLike | None = None, eye: ArrayLike | None = None
+    transfer: DirectTransfer, light: ArrayLike | Emitters, *, albedo: ArrayLike | None = ..., bounces: int = ...
+) -> NDArray[np.float32]: ...
+def shade(
+    transfer: ArrayLike | GlossyTransfer | DirectTransfer,
+    light: ArrayLike | Emitters,
+    *,
+    albedo: ArrayLike | None = None,
+    eye: ArrayLike | None = None,
+    bounces: int = 0,
 ) -> NDArray[np.float32]:
     """The radiance that leaves every vertex under a light: albedo × Σ transfer × light, or what glossy surfaces send toward an eye.
 
     Returns float32 [V, 3], linear Rec. 709, in the units of the light. A truncated light rings, so that small negative values are possible.
 
-    transfer  [V, C, n²], from `relume.bake` or `transfer` of `relume export`; or a `relume.GlossyTransfer`.
-    light     [m², 3], from `relume.light`. Of a higher order than the transfer it is cut off, of a lower one padded with zeros.
+    transfer  [V, C, n²], from `relume.bake` or `transfer` of `relume export`; or a `relume.GlossyTransfer`, or a `relume.DirectTransfer`.
+    light     [m², 3], from `relume.light`; or [V, m², 3], one for each vertex, from `Emitters.light_at`, for transfer without bounces. Of a higher order than
+              the transfer it is cut off, of a lower one padded with zeros. With a GlossyTransfer or a DirectTransfer also `relume.Emitters`, whose
+              light is found at its vertices.
     albedo    the receivers' own, linear, in 0…1: a number, three, or [V, 3]. None leaves it out: radiance for a white surface. A glossy transfer has
               its own.
     eye       [3], only and always with a glossy transfer: where it is seen from. What turns its back to it is black; nothing hides anything.
+    bounces   0…64 interreflections, with a DirectTransfer.
 
     The GIL is released. The first call with a glossy transfer tabulates its BRDF, which takes a moment.
 
     Raises ValueError, in one line that starts with the name of the argument.
     """
+    if not isinstance(transfer, DirectTransfer) and bounces != 0:
+        raise ValueError("bounces: are made with what relume.bake(…, gather=True) gives; leave them out")
     if isinstance(transfer, GlossyTransfer):
         if albedo is not None:
             raise ValueError("albedo: a glossy transfer has its own; leave it out")
         place = _arguments.eye(eye)
         matrices = _arguments.matrices(transfer.matrices)
-        coefficients = _arguments.coefficients(light)
+        coefficients = _light(light, transfer.positions, matrices)
         return _relume.shade_glossy(matrices, coefficients, eye=(place[0], place[1], place[2]), surfaces=transfer.surfaces())
     if eye is not None:
         raise ValueError("eye: diffuse surfaces look the same from everywhere; leave it out")
-    vectors = _arguments.transfer(transfer)
-    radiance = _relume.shade(vectors, _arguments.coefficients(light))
+    if isinstance(transfer, DirectTransfer):
+        arrays = _arguments.direct(transfer)
+        vectors = arrays["vectors"]
+        count = _arguments.integer("bounces", bounces, 0, _arguments.MAX_BOUNCES)
+        radiance = _relume.shade_direct(_light(light, transfer.positions, vectors), bounces=count, **arrays)
+    else:
+        vectors = _arguments.transfer(transfer)
+        radiance = _relume.shade(vectors, _light(light, None, vectors))
     if albedo is None:
         return radiance
     return radiance * _arguments.albedo(albedo, len(vectors))
+
+
+def _light(light: ArrayLike | Emitters, positions: ArrayLike | None, transfer: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Coefficients for transfer [V, C, …, n²] of vertices at `positions`."""
+    if isinstance(light, Emitters):
+        if positions is None:
+            raise ValueError("light: transfer vectors do not say where vertices stand; give emitters.light_at(vertices)")
+        points = _arguments.per_vertex("positions", positions, len(transfer))
+        light = light.light_at(points, order=math.isqrt(transfer.shape[-1]))
+    made = _arguments.light_for(light, len(transfer))
+    _arguments.unfolded("transfer", transfer, made)
+    return made

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._brdf import Ggx, Lambert, Measured, Phong
+from ._direct import DirectTransfer
 
 
 def array(name: str, value: ArrayLike, kinds: str, wanted: str) -> NDArray[Any]:
@@ -28,7 +29,8 @@ def array(name: str, value: ArrayLike, kinds: str, wanted: str) -> NDArray[Any]:
     return made
 
 
-def _shape(made: NDArray[Any]) -> str:
+def shape(made: NDArray[Any]) -> str:
+    """As messages say it."""
     return "[" + ", ".join(map(str, made.shape)) + "]"
 
 
@@ -49,7 +51,7 @@ def points(name: str, value: ArrayLike) -> NDArray[np.float32]:
     wanted = "an array [V, 3] of floats"
     made = array(name, value, "fiu", wanted)
     if made.ndim != 2 or made.shape[1] != 3:
-        raise ValueError(f"{name}: has the shape {_shape(made)}; give {wanted}")
+        raise ValueError(f"{name}: has the shape {shape(made)}; give {wanted}")
     return floats(name, made)
 
 
@@ -68,7 +70,7 @@ def faces(value: ArrayLike, vertex_count: int) -> NDArray[np.uint32]:
     if made.ndim == 2 and made.shape[1] == 4:
         raise ValueError("faces: rows of 4 corners are quads; split each [a, b, c, d] into [a, b, c] and [a, c, d]")
     if made.ndim != 2 or made.shape[1] != 3:
-        raise ValueError(f"faces: has the shape {_shape(made)}; give {wanted}")
+        raise ValueError(f"faces: has the shape {shape(made)}; give {wanted}")
     if len(made) == 0:
         raise ValueError(f"faces: there are none; give {wanted}")
     outside = (made < 0) | (made >= vertex_count)
@@ -96,7 +98,7 @@ def albedo(value: ArrayLike, vertex_count: int) -> NDArray[np.float32]:
     if made.shape in ((), (3,)):
         made = np.ascontiguousarray(np.broadcast_to(made, (1, 3)))
     elif made.shape != (vertex_count, 3):
-        raise ValueError(f"albedo: has the shape {_shape(made)} for {vertex_count} vertices; give {wanted}")
+        raise ValueError(f"albedo: has the shape {shape(made)} for {vertex_count} vertices; give {wanted}")
     if made.min() < 0 or made.max() > 1:
         raise ValueError(f"albedo: {made.min():g} … {made.max():g} is not within 0…1, the share of light reflected")
     return made
@@ -115,20 +117,88 @@ def integer(name: str, value: object, low: int, high: int) -> int:
 
 def transfer(value: ArrayLike) -> NDArray[np.float32]:
     """Transfer vectors [V, C, n²]."""
+    return _vectors("transfer", value)
+
+
+def _vectors(name: str, value: ArrayLike) -> NDArray[np.float32]:
     wanted = "what relume.bake returns, an array [V, 1 or 3, order²] of floats"
-    made = array("transfer", value, "f", wanted)
+    made = array(name, value, "f", wanted)
     if made.ndim != 3 or made.shape[1] not in (1, 3) or not _is_order(made.shape[2]):
-        raise ValueError(f"transfer: has the shape {_shape(made)}; give {wanted}")
-    return floats("transfer", made)
+        raise ValueError(f"{name}: has the shape {shape(made)}; give {wanted}")
+    return floats(name, made)
 
 
 def coefficients(value: ArrayLike) -> NDArray[np.float32]:
-    """Coefficients of a light [n², 3]."""
-    wanted = "what relume.light returns, an array [order², 3] of floats"
+    """Coefficients of a light: [n², 3], or [V, n², 3]."""
+    wanted = "what relume.light returns, an array [order², 3] of floats, or [V, order², 3]"
     made = array("light", value, "fiu", wanted)
-    if made.ndim != 2 or made.shape[1] != 3 or not _is_order(made.shape[0]):
-        raise ValueError(f"light: has the shape {_shape(made)}; give {wanted}")
+    if made.ndim not in (2, 3) or made.shape[-1] != 3 or not _is_order(made.shape[-2]):
+        raise ValueError(f"light: has the shape {shape(made)}; give {wanted}")
     return floats("light", made)
+
+
+def light_for(value: ArrayLike, vertex_count: int) -> NDArray[np.float32]:
+    """Coefficients of a light: [n², 3], or [V, n², 3], one for each vertex."""
+    made = coefficients(value)
+    if made.ndim == 3 and len(made) != vertex_count:
+        raise ValueError(f"light: {len(made)} for {vertex_count} vertices; give one for each, or one for all [order², 3]")
+    return made
+
+
+def light_of(value: ArrayLike) -> NDArray[np.float32]:
+    """Coefficients of lights [V, n², 3]."""
+    made = coefficients(value)
+    if made.ndim != 3:
+        raise ValueError(f"light: has the shape {shape(made)}; give one for each vertex, [V, order², 3]")
+    return made
+
+
+def unfolded(name: str, made: NDArray[np.float32], light: NDArray[np.float32]) -> None:
+    """Refuses transfer [V, C, …] with bounces for light that varies."""
+    if light.ndim == 3 and made.shape[1] == 3:
+        what = "has bounces folded in (3 channels), which hold for distant light alone"
+        raise ValueError(f"{name}: {what}; bake it with bounces=0, or with gather=True")
+
+
+def direct(value: DirectTransfer) -> dict[str, NDArray[Any]]:
+    """The arrays of a direct transfer."""
+    vectors = _vectors("transfer.vectors", value.vectors)
+    weights = array("transfer.weights", value.weights, "f", "an array [E, 1 or 3] of floats")
+    if weights.ndim != 2 or weights.shape[1] not in (1, 3):
+        raise ValueError(f"transfer.weights: has the shape {shape(weights)}; give an array [E, 1 or 3] of floats")
+    return {
+        "vectors": vectors,
+        "back_vertices": _indices("transfer.back_vertices", value.back_vertices, np.uint32),
+        "back_vectors": _vectors("transfer.back_vectors", value.back_vectors),
+        "starts": _indices("transfer.starts", value.starts, np.uint64),
+        "columns": _indices("transfer.columns", value.columns, np.uint32),
+        "weights": floats("transfer.weights", weights),
+    }
+
+
+def _indices(name: str, value: ArrayLike, dtype: type[np.unsignedinteger[Any]]) -> NDArray[Any]:
+    """A list of indices."""
+    wanted = "what relume.bake gave, a list of integers from 0"
+    made = array(name, value, "iu", wanted)
+    if made.ndim != 1 or (made.size > 0 and (made.min() < 0 or made.max() > np.iinfo(dtype).max)):
+        raise ValueError(f"{name}: has the shape {shape(made)} or numbers below 0; give {wanted}")
+    return np.ascontiguousarray(made, dtype=dtype)
+
+
+def flags(name: str, value: ArrayLike, vertex_count: int) -> NDArray[np.bool_]:
+    """True or False for each vertex."""
+    made = array(name, value, "b", "an array [V] of bools")
+    if made.shape != (vertex_count,):
+        raise ValueError(f"{name}: has the shape {shape(made)} for {vertex_count} vertices; give one for each")
+    return np.ascontiguousarray(made, dtype=np.bool_)
+
+
+def path(value: object) -> str:
+    """A path."""
+    try:
+        return os.fsdecode(value)  # type: ignore[arg-type]
+    except TypeError:
+        raise ValueError(f"path: {value!r} is not a path") from None
 
 
 def image(value: ArrayLike) -> NDArray[np.float32]:
@@ -136,11 +206,11 @@ def image(value: ArrayLike) -> NDArray[np.float32]:
     wanted = "a path, an analytic light such as 'sky:30,3', or an array [H, W, 3] of linear radiance in floats"
     made = array("env", value, "f", wanted)
     if made.ndim != 3 or made.shape[2] != 3 or made.size == 0:
-        raise ValueError(f"env: has the shape {_shape(made)}; give {wanted}")
+        raise ValueError(f"env: has the shape {shape(made)}; give {wanted}")
     return floats("env", made)
 
 
-def is_glossy(transfer: object, *, transfer_order: object, brdf: object, return_valid: object) -> bool:
+def is_glossy(transfer: object, *, transfer_order: object, brdf: object, return_valid: object, gather: object, bounces: object) -> bool:
     """Whether matrices are to be baked; refuses arguments of the other kind."""
     if transfer not in ("diffuse", "glossy"):
         raise ValueError(f"transfer: {transfer!r} is neither 'diffuse' nor 'glossy'")
@@ -149,6 +219,12 @@ def is_glossy(transfer: object, *, transfer_order: object, brdf: object, return_
             raise ValueError(f"{name}: is of transfer='glossy'; give both or neither")
     if return_valid and transfer == "glossy":
         raise ValueError("return_valid: a glossy result has it as .valid; leave it out")
+    if gather and transfer == "glossy":
+        raise ValueError("gather: is of diffuse transfer; leave it out, or transfer='glossy'")
+    if gather and return_valid:
+        raise ValueError("return_valid: a result with gather has it as .valid; leave it out")
+    if gather and bounces != 0:
+        raise ValueError("bounces: with gather=True they are made where light is known; leave them out, and give them to relume.shade")
     return transfer == "glossy"
 
 
@@ -157,7 +233,7 @@ def matrices(value: ArrayLike) -> NDArray[np.float32]:
     wanted = "an array [V, 1 or 3, transfer order², order²] of floats"
     made = array("matrices", value, "f", wanted)
     if made.ndim != 4 or made.shape[1] not in (1, 3) or not (_is_order(made.shape[2]) and _is_order(made.shape[3])):
-        raise ValueError(f"matrices: has the shape {_shape(made)}; give {wanted}")
+        raise ValueError(f"matrices: has the shape {shape(made)}; give {wanted}")
     return floats("matrices", made)
 
 
@@ -181,7 +257,7 @@ def eye(value: ArrayLike | None) -> NDArray[np.float64]:
         raise ValueError(f"eye: missing; give {wanted}")
     made = np.asarray(array("eye", value, "fiu", wanted), dtype=np.float64)
     if made.shape != (3,):
-        raise ValueError(f"eye: has the shape {_shape(made)}; give {wanted}")
+        raise ValueError(f"eye: has the shape {shape(made)}; give {wanted}")
     if not np.isfinite(made).all():
         raise ValueError(f"eye: {made} is not finite")
     return made
@@ -203,7 +279,7 @@ def color(name: str, value: ArrayLike) -> list[float]:
     wanted = "a number or three (linear red, green, blue)"
     made = floats(name, array(name, value, "fiu", wanted))
     if made.shape not in ((), (3,)):
-        raise ValueError(f"{name}: has the shape {_shape(made)}; give {wanted}")
+        raise ValueError(f"{name}: has the shape {shape(made)}; give {wanted}")
     if made.min() < 0 or made.max() > 1:
         raise ValueError(f"{name}: {made.min():g} … {made.max():g} is not within 0…1")
     return [float(share) for share in np.broadcast_to(made, (3,))]
@@ -237,5 +313,6 @@ def _is_order(count: int) -> bool:
 MAX_ORDER = 32
 MAX_SAMPLES = 1 << 22
 MAX_BOUNCES = 64
+MAX_BUDGET = 1 << 31
 MAX_THREADS = 1024
 MAX_SEED = (1 << 64) - 1

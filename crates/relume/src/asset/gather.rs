@@ -74,8 +74,11 @@ impl Gather {
         (0..self.rows()).map(reflected).collect()
     }
 
-    /// Whether its lengths fit together and its numbers are some.
-    pub(super) fn check(&self, sides: usize) -> Result<(), String> {
+    /// Whether its lengths fit together, for so many sides, and its numbers are some.
+    ///
+    /// # Errors
+    /// In words, what it is.
+    pub fn check(&self, sides: usize) -> Result<(), String> {
         let whole = self.starts.first() == Some(&0)
             && self.starts.is_sorted()
             && self.starts.last() == Some(&(self.columns.len() as u64))

@@ -52,6 +52,15 @@ pub enum EmitterError {
         /// The emitter.
         name: String,
     },
+    /// A mesh none of whose faces has an area.
+    #[error(
+        "emitter \"{}\": none of its faces has an area; make it larger, or leave it out",
+        printable(name)
+    )]
+    NoArea {
+        /// The emitter.
+        name: String,
+    },
     /// More than is worked with.
     #[error("the emitters have {corners} corners, more than {MAX_CORNERS}; simplify their meshes")]
     TooMany {
@@ -130,7 +139,7 @@ fn check_mesh(name: &str, mesh: &EmitterMesh) -> Result<(), EmitterError> {
             return Err(EmitterError::Count {
                 name: name.to_owned(),
                 what: format!(
-                    "face {i} needs three corners or more among the {} positions",
+                    "face {i} must have three corners or more, each one of the {} positions; correct it or leave it out",
                     mesh.positions.len()
                 ),
             });
@@ -191,7 +200,7 @@ fn check_counts(name: &str, mesh: &EmitterMesh, pattern: &Pattern) -> Result<(),
     if has != needs {
         return Err(EmitterError::Count {
             name: name.to_owned(),
-            what: format!("{has} {what}, of which there are {needs}"),
+            what: format!("{has} {what}, of which there are {needs}; give one for each"),
         });
     }
     match mesh

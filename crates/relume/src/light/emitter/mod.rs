@@ -11,6 +11,7 @@ mod cube_map;
 mod error;
 mod exact;
 mod exact_kernel;
+mod face_tree;
 mod file;
 mod occluders;
 mod pattern;
@@ -120,13 +121,18 @@ impl Emitters {
     /// Checks shapes and numbers, and leaves faces without area out.
     ///
     /// # Errors
-    /// [`EmitterError`] where a face is not flat and convex, an index or a length is off, a number is none, or a pose is not a similarity.
+    /// [`EmitterError`] where a face is not flat and convex, a mesh has none with an area, an index or a length is off, a number is none, or a pose is not a
+    /// similarity.
     pub fn new(mut emitters: Vec<Emitter>) -> Result<Self, EmitterError> {
         let mut corners = 0;
         for emitter in &mut emitters {
             error::check(emitter)?;
             if let Shape::Mesh(mesh) = &mut emitter.shape {
                 shapes::drop_degenerate(mesh, &mut emitter.pattern);
+                if mesh.faces.is_empty() {
+                    let name = emitter.name.clone();
+                    return Err(EmitterError::NoArea { name });
+                }
                 corners += mesh.faces.iter().map(Vec::len).sum::<usize>();
             }
         }

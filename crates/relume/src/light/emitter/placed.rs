@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
+use super::face_tree::FaceTree;
 use super::occluders::{Occluders, occluders};
 use super::pattern::{Cells, radiance};
 use super::shapes::area_vector;
@@ -19,6 +20,8 @@ pub struct Placed {
     sources: Vec<Emitter>,
     /// Found when they are first asked for.
     occluders: OnceLock<Vec<Occluders>>,
+    /// Made when the first ray is cast.
+    tree: OnceLock<FaceTree>,
 }
 
 /// A flat convex face.
@@ -214,23 +217,27 @@ impl Placed {
 
     /// The nearest emitter on a ray, and its radiance toward the ray's origin: black where it only blocks, or shows its back.
     pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<EmitterHit> {
-        let polygons = self.polygons.iter();
-        let polygons = polygons.filter_map(|p| self.meet_polygon(p, origin, direction));
+        let tree = self.tree.get_or_init(|| FaceTree::new(&self.polygons));
+        let meet = |i: usize| self.distance_to(&self.polygons[i], origin, direction);
+        let nearest = tree.nearest(origin, direction, meet);
+        let polygon = nearest.map(|(i, distance)| self.hit(i, distance, origin, direction));
         let spheres = self
             .spheres
             .iter()
             .filter_map(|s| s.meet(origin, direction));
-        polygons
+        polygon
+            .into_iter()
             .chain(spheres)
             .min_by(|a, b| a.distance.total_cmp(&b.distance))
     }
 
-    fn meet_polygon(
+    /// Where a ray meets a polygon, in lengths of its direction. The point met is never farther from the polygon's centre than its radius.
+    pub(super) fn distance_to(
         &self,
         polygon: &PlacedPolygon,
         origin: DVec3,
         direction: DVec3,
-    ) -> Option<EmitterHit> {
+    ) -> Option<f64> {
         let cosine = polygon.normal.dot(direction);
         let distance = polygon.normal.dot(polygon.centre - origin) / cosine;
         if !(distance > 0.0 && distance.is_finite()) {
@@ -245,14 +252,17 @@ impl Placed {
             let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
             (b - a).cross(point - a).dot(polygon.normal) >= 0.0
         };
-        if !(0..corners.len()).all(inside) {
-            return None;
-        }
-        Some(EmitterHit {
+        (0..corners.len()).all(inside).then_some(distance)
+    }
+
+    fn hit(&self, polygon: usize, distance: f64, origin: DVec3, direction: DVec3) -> EmitterHit {
+        let polygon = &self.polygons[polygon];
+        let point = origin + direction * distance;
+        EmitterHit {
             distance,
-            back: cosine > 0.0 && !polygon.two_sided,
+            back: polygon.normal.dot(direction) > 0.0 && !polygon.two_sided,
             radiance: self.radiance_toward(polygon, point, -direction / direction.length()),
-        })
+        }
     }
 
     /// Radiance from a point of a polygon in the unit direction `toward`: black from its back, unless that shines, too.

@@ -3,6 +3,7 @@
 use super::*;
 
 mod exact;
+mod rays;
 mod samplers;
 mod session;
 
@@ -233,4 +234,20 @@ fn cells_of_many_emitters_take_no_more_than_those_of_one() {
     // Linear radiance is cut five times: 1 + 4 + … + 4⁵ cells for each of two triangles. Three thousand such are cut four times.
     assert_eq!(cells(1), 2 * 1365);
     assert_eq!(cells(3000), 6000 * 341);
+}
+
+#[test]
+fn a_mesh_without_any_area_is_no_emitter() {
+    let mut mesh = EmitterMesh::quad(1.0, 1.0);
+    mesh.faces = vec![vec![0, 1, 1], vec![2, 2, 2]];
+    let refused = Emitters::new(vec![of(
+        Shape::Mesh(mesh.clone()),
+        Pattern::Uniform([1.0; 3]),
+    )]);
+    let message =
+        "emitter \"lamp\": none of its faces has an area; make it larger, or leave it out";
+    assert_eq!(refused.unwrap_err().to_string(), message);
+    mesh.faces.push(vec![0, 1, 2]);
+    let kept = Emitters::new(vec![of(Shape::Mesh(mesh), Pattern::Uniform([1.0; 3]))]).unwrap();
+    assert_eq!(kept.placed().polygons().len(), 1);
 }

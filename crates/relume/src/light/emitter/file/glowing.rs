@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 
 use super::super::{Emitter, EmitterMesh, Emitters, MAX_CORNERS, Pattern, Shape};
-use super::{EmitterFileError, MAX_NAME, checked, concerns_shape};
+use super::{EmitterFileError, MAX_NAME, concerns_shape};
 use crate::light::HdrImage;
 use crate::scene::gltf::{Glow, emission};
 use crate::scene::{Scene, SceneError, Texture, srgb_to_linear};
@@ -32,7 +32,7 @@ pub(super) fn load(path: &Path) -> Result<(Emitters, Vec<String>), EmitterFileEr
     let emitters = glows
         .into_iter()
         .map(|glow| emitter(&scene, glow, &mut images));
-    Ok((checked(emitters.collect())?, warnings))
+    Ok((Emitters::new(emitters.collect())?, warnings))
 }
 
 #[cfg(feature = "import")]

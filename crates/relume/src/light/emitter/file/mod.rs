@@ -20,7 +20,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::{Emitter, EmitterError, Emitters, Shape, error::check};
+use super::{Emitter, Emitters, error::check};
 use crate::files::{Unread, printable, read_regular};
 
 pub use error::{EmitterFileError, EntryError};
@@ -85,7 +85,7 @@ pub fn from_json(text: &[u8], folder: &Path) -> Result<(Emitters, Vec<String>), 
         let made = entry(index, value, &mut nearby);
         emitters.push(made.map_err(|problem| EmitterFileError::entry(index, value, problem))?);
     }
-    let (emitters, warnings) = (checked(emitters)?, nearby.warnings);
+    let (emitters, warnings) = (Emitters::new(emitters)?, nearby.warnings);
     Ok((emitters, warnings))
 }
 
@@ -147,19 +147,4 @@ fn entry(index: usize, value: &Value, nearby: &mut Nearby) -> Result<Emitter, En
 fn concerns_shape(warning: &str) -> bool {
     let of_surfaces = ["albedo", "base colours", "no usable normal"];
     !of_surfaces.iter().any(|words| warning.contains(words))
-}
-
-/// Makes a set, each of whose emitters is still there when faces without area have been left out.
-fn checked(emitters: Vec<Emitter>) -> Result<Emitters, EmitterFileError> {
-    let set = Emitters::new(emitters)?;
-    let gone =
-        |emitter: &Emitter| matches!(&emitter.shape, Shape::Mesh(mesh) if mesh.faces.is_empty());
-    match set.emitters().iter().find(|emitter| gone(emitter)) {
-        None => Ok(set),
-        Some(Emitter { name, .. }) => Err(EmitterError::Value {
-            name: name.clone(),
-            what: "none of its faces has an area; make it larger".to_owned(),
-        }
-        .into()),
-    }
 }

@@ -3,6 +3,7 @@
 use glam::{DAffine3, DVec3};
 
 use super::*;
+use crate::light::emitter::Shape;
 
 #[cfg(feature = "import")]
 fn mesh(emitter: &Emitter) -> &EmitterMesh {

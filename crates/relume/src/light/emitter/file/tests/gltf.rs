@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use super::*;
+use crate::light::emitter::Shape;
 
 /// The triangle (0, 0, 0), (1, 0, 0), (0, 1, 0), its texture coordinates and, where there are images, one of 2 × 1 pixels. `materials` and
 /// `nodes` are the document's; primitive i of mesh 0 has material i.

@@ -1,0 +1,153 @@
+//! `_relume.bake_direct` and `_relume.shade_direct`
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use numpy::{
+    PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    PyReadonlyArray3, PyUntypedArrayMethods,
+};
+use pyo3::prelude::*;
+use relume::asset::{BackTransfer, Gather, Transfer};
+use relume::bake::BakeOptions;
+use relume::scene::World;
+
+use crate::bake::{self, triangles};
+use crate::shade::{Light, vectors};
+use crate::{failure, work};
+
+/// Vectors [V, 1, n²], which vertices are valid [V], and vertices [B] and vectors [B, 1, n²] of back sides.
+type Direct<'py> = (
+    Bound<'py, PyArray3<f32>>,
+    Bound<'py, PyArray1<bool>>,
+    Bound<'py, PyArray1<u32>>,
+    Bound<'py, PyArray3<f32>>,
+);
+/// Starts [V + B + 1], columns [E] and weights [E, C] of the gather operator.
+type Operator<'py> = (
+    Bound<'py, PyArray1<i64>>,
+    Bound<'py, PyArray1<u32>>,
+    Bound<'py, PyArray2<f32>>,
+);
+
+/// What `relume.bake` asks for with `gather=True`, as for `bake`; and what was repaired.
+#[pyfunction]
+#[pyo3(signature = (vertices, faces, *, normals, albedo, order, samples, seed, threads, double_sided))]
+#[allow(
+    clippy::too_many_arguments,
+    clippy::needless_pass_by_value,
+    reason = "they are the keywords of the Python function, which come by value"
+)]
+pub fn bake_direct<'py>(
+    py: Python<'py>,
+    vertices: PyReadonlyArray2<'py, f32>,
+    faces: PyReadonlyArray2<'py, u32>,
+    normals: Option<PyReadonlyArray2<'py, f32>>,
+    albedo: PyReadonlyArray2<'py, f32>,
+    order: usize,
+    samples: u32,
+    seed: u64,
+    threads: Option<usize>,
+    double_sided: bool,
+) -> PyResult<(Direct<'py>, Operator<'py>, Vec<String>)> {
+    let input = triangles(&vertices, &faces, normals.as_ref(), &albedo, double_sided)?;
+    let options = BakeOptions {
+        gather: true,
+        ..bake::options(order, samples, 0, seed, threads)?
+    };
+    let cancelled = Arc::new(AtomicBool::new(false));
+    let flag = cancelled.clone();
+    let work = move || {
+        let scene = bake::scene(input)?;
+        let transfer = bake::run(&World::new(&scene), &options, &flag)?;
+        PyResult::Ok((transfer, scene.warnings))
+    };
+    let (transfer, warnings) = work::long(py, &cancelled, work)??;
+    let gather = transfer.gather.expect("it was asked for");
+    let count = transfer.order.count();
+    let back = transfer.back.unwrap_or_else(|| BackTransfer {
+        vertices: Vec::new(),
+        coefficients: Vec::new().into(),
+    });
+    let fronts = [transfer.valid.len(), transfer.channels, count];
+    let backs = [back.vertices.len(), transfer.channels, count];
+    let flat = |rows: Vec<f32>| PyArray1::from_vec(py, rows);
+    let sides = (
+        flat(transfer.coefficients.into_vec()).reshape(fronts)?,
+        PyArray1::from_vec(py, transfer.valid),
+        PyArray1::from_vec(py, back.vertices),
+        flat(back.coefficients.into_vec()).reshape(backs)?,
+    );
+    let starts = gather.starts.iter().map(|&start| start as i64).collect();
+    let weights = [gather.columns.len(), gather.channels];
+    let operator = (
+        PyArray1::from_vec(py, starts),
+        PyArray1::from_vec(py, gather.columns),
+        flat(gather.weights).reshape(weights)?,
+    );
+    Ok((sides, operator, warnings))
+}
+
+/// Transferred radiance `[V, 3]` after `bounces` interreflections: direct transfer applied to `light` [m², 3] or [V, m², 3], then the gather operator.
+#[pyfunction]
+#[pyo3(signature = (light, *, vectors, back_vertices, back_vectors, starts, columns, weights, bounces))]
+#[allow(
+    clippy::too_many_arguments,
+    clippy::needless_pass_by_value,
+    reason = "they are the arrays of a direct transfer, which come by value"
+)]
+pub fn shade_direct<'py>(
+    py: Python<'py>,
+    light: Light<'py>,
+    vectors: PyReadonlyArray3<'py, f32>,
+    back_vertices: PyReadonlyArray1<'py, u32>,
+    back_vectors: PyReadonlyArray3<'py, f32>,
+    starts: PyReadonlyArray1<'py, u64>,
+    columns: PyReadonlyArray1<'py, u32>,
+    weights: PyReadonlyArray2<'py, f32>,
+    bounces: u32,
+) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    let mut transfer = self::vectors("transfer.vectors", &vectors)?;
+    let count = transfer.vertex_count();
+    transfer.back = back(&transfer, &back_vertices, &back_vectors)?;
+    let sides = count + back_vertices.len();
+    let gather = Gather {
+        channels: weights.shape()[1],
+        starts: starts.as_slice()?.to_vec(),
+        columns: columns.as_slice()?.to_vec(),
+        weights: weights.as_slice()?.to_vec(),
+    };
+    gather
+        .check(sides)
+        .map_err(|what| failure::value("transfer", format!("{what}; bake it again")))?;
+    transfer.gather = Some(gather);
+    let light = light.incident(count)?;
+    let pool = work::pool()?;
+    let work = move || pool.install(|| relume::shade::bounced(&transfer, &light, bounces));
+    let radiance = work::long(py, &Arc::new(AtomicBool::new(false)), work)?;
+    let radiance = radiance.map_err(|error| failure::value("bounces", error))?;
+    PyArray1::from_vec(py, radiance.front.into_flattened()).reshape([count, 3])
+}
+
+/// The sides behind double-sided surfaces; `None` without any.
+fn back(
+    transfer: &Transfer,
+    vertices: &PyReadonlyArray1<'_, u32>,
+    array: &PyReadonlyArray3<'_, f32>,
+) -> PyResult<Option<BackTransfer>> {
+    let back = vectors("transfer.back_vectors", array)?;
+    let vertices = vertices.as_slice()?.to_vec();
+    let of_fronts = vertices.is_sorted_by(|a, b| a < b)
+        && vertices
+            .last()
+            .is_none_or(|&v| (v as usize) < transfer.vertex_count());
+    let alike = (back.order, back.channels) == (transfer.order, transfer.channels);
+    if !of_fronts || !alike || back.vertex_count() != vertices.len() {
+        let what = "not as many as back_vertices, which ascend, or not of the order of the vectors";
+        return Err(failure::value("transfer.back_vectors", what));
+    }
+    Ok((!vertices.is_empty()).then_some(BackTransfer {
+        vertices,
+        coefficients: back.coefficients,
+    }))
+}
