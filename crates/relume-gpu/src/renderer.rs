@@ -249,11 +249,11 @@ impl Renderer {
         Ok(())
     }
 
-    /// Emitters that are seen where they stand; `None` takes them away. Their light is [`Self::set_light`]'s.
+    /// Emitters that are seen where they stand; `None` takes them away. Their light is that of [`Self::stage_emitters`], or of [`Self::set_light`].
     ///
     /// # Errors
     /// More triangles than fit a buffer of the device.
-    pub fn set_emitters(&mut self, placed: Option<&Placed>) -> Result<(), GpuError> {
+    pub fn show_emitters(&mut self, placed: Option<&Placed>) -> Result<(), GpuError> {
         let last = self.lamps.take();
         let device = &self.gpu.device;
         let lamps = placed.map(|placed| Lamps::new(device, &self.view, placed, last));

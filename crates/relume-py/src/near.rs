@@ -92,7 +92,10 @@ pub fn sampled_light_at<'py>(
         let (form, placed) = (ClosedForm::new(order), placed());
         let samples =
             refine_first_order(&hierarchy, &positions, &responses, &form, &placed, &options);
-        (reconstruct_first_order(&samples, &positions), samples)
+        (
+            reconstruct_first_order(&samples, &hierarchy, &positions),
+            samples,
+        )
     })?;
     let FirstOrderSamples {
         positions,

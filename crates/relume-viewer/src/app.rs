@@ -227,8 +227,10 @@ impl Viewer {
         }
         let materials = content.world.materials.iter();
         self.materials = materials.map(MaterialEdit::from).collect();
+        let bounces = content.bounces().unwrap_or(0);
         self.content = Some(content);
         (self.arriving, self.lit) = (None, None);
+        self.near.bounces = bounces;
         self.light_changed = true;
         self.suit_exposure();
     }

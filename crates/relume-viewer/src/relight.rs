@@ -17,6 +17,8 @@ pub struct Report {
     pub seconds: f32,
     /// Root mean square difference to exact light, the brightest vertex being 1; where it is shown.
     pub rmse: Option<f32>,
+    /// Whether the device finds it.
+    pub on_device: bool,
 }
 
 impl Viewer {
@@ -38,9 +40,10 @@ impl Viewer {
             (false, other) => other,
         };
         let alone = lighting.coefficient.is_some() || !self.shades_here();
-        let lit = if alone {
+        self.report.on_device = !alone && self.may_light_on_device();
+        let lit = if alone || self.report.on_device {
             self.lit = None;
-            self.stage.set_light(&IncidentLight::Distant(light))
+            self.on_device(light)
         } else {
             self.with_lamps(&light)
         };
@@ -56,9 +59,29 @@ impl Viewer {
         }
     }
 
+    /// Distant light, and that of lamps where the device is to find it.
+    fn on_device(&mut self, light: ShLight) -> Result<(), GpuError> {
+        self.stage.set_light(&IncidentLight::Distant(light))?;
+        let lamps = self.report.on_device.then(|| self.near.placed());
+        self.stage.light_emitters(lamps)
+    }
+
+    /// Whether one transfer takes all light, and no light bounces on.
+    fn may_light_on_device(&self) -> bool {
+        let Some(content) = &self.content else {
+            return false;
+        };
+        let bounces = self.near.bounces > 0 && content.asset.transfer.gather.is_some();
+        let whole = match self.paths {
+            Paths::Baked => !bounces && !matches!(content.bounces(), Some(1..)),
+            Paths::Shadowed | Paths::Unshadowed => true,
+        };
+        whole && self.near.method == Method::Device
+    }
+
     /// Whether the difference to exact light is shown.
     fn shows_error(&self) -> bool {
-        self.near.error.is_some() && self.near.method != Method::Exact && !self.near.is_empty()
+        self.near.error.is_some() && !self.near.method.is_exact() && !self.near.is_empty()
     }
 
     /// Whether light is shaded on this side of the device: it varies by vertex, or bounces on.
@@ -69,6 +92,7 @@ impl Viewer {
     }
 
     fn with_lamps(&mut self, distant: &ShLight) -> Result<(), GpuError> {
+        self.stage.light_emitters(None)?;
         self.want_direct_light();
         let Some(content) = &mut self.content else {
             return Err(GpuError::NoScene);
@@ -173,9 +197,18 @@ impl Viewer {
         let (Some(content), Some(lighting)) = (&self.content, &self.lighting) else {
             return;
         };
+        let distant = lighting.incident().0;
         self.look.exposure = match &self.lit {
             Some(sides) => crate::exposure::of_sides(content, sides),
-            None => crate::exposure::suitable(content, &lighting.incident().0),
+            None if self.report.on_device => {
+                let transfer = &content.asset.transfer;
+                let near = Arriving::new(&content.world, transfer).exact(&self.near);
+                let light = IncidentLight::PerVertex(near.plus(&distant));
+                let front = relume::shade::transferred_radiance(transfer, &light);
+                let back = Vec::new();
+                crate::exposure::of_sides(content, &SideRadiance { front, back })
+            }
+            None => crate::exposure::suitable(content, &distant),
         };
     }
 }

@@ -132,12 +132,20 @@ impl Stage {
         self.renderer.set_radiance(radiance)
     }
 
+    /// Emitters whose light the device adds to that of [`Self::set_light`].
+    ///
+    /// # Errors
+    /// No scene, or more of them than fit the device.
+    pub fn light_emitters(&mut self, placed: Option<&Placed>) -> Result<(), GpuError> {
+        self.renderer.stage_emitters(placed)
+    }
+
     /// Emitters that are seen where they stand.
     ///
     /// # Errors
     /// More of them than fit the device.
-    pub fn set_emitters(&mut self, placed: Option<&Placed>) -> Result<(), GpuError> {
-        self.renderer.set_emitters(placed)
+    pub fn show_emitters(&mut self, placed: Option<&Placed>) -> Result<(), GpuError> {
+        self.renderer.show_emitters(placed)
     }
 
     /// Draws a frame of `width` × `height` pixels and gives the texture that shows it.

@@ -14,8 +14,10 @@ use relume::brdf::Reflection;
 use relume::display::{
     self, Camera, GlossyRadiance, Radiance, RaycastOptions, ToneMap, VertexRadiance,
 };
+use relume::light::emitter::{self, Placed};
 use relume::light::{self, IncidentLight};
 use relume::scene::{World, bundled};
+use relume::shade::bounced;
 
 /// Pixels of the window.
 const SIZE: (u32, u32) = (480, 270);
@@ -79,6 +81,10 @@ impl Drop for Display {
 
 /// A ball over a floor, baked; with a transfer order of metal.
 fn baked(transfer_order: Option<usize>) -> Asset {
+    baked_with(transfer_order, 1)
+}
+
+fn baked_with(transfer_order: Option<usize>, bounces: u32) -> Asset {
     let mut scene = bundled::plane_under_sphere(0.5, 0.7, 2.0, 48, 0.6);
     if transfer_order.is_some() {
         for material in &mut scene.materials {
@@ -91,7 +97,8 @@ fn baked(transfer_order: Option<usize>) -> Asset {
     }
     let options = BakeOptions {
         samples: 64,
-        bounces: 1,
+        bounces,
+        gather: bounces == 0 && transfer_order.is_none(),
         transfer_order: transfer_order.map(|n| Order::new(n).unwrap()),
         ..BakeOptions::default()
     };
@@ -184,6 +191,96 @@ fn shows(display: &Display, test: &str, asset: &Asset) {
         "{more} of {}, mean {mean}",
         off.len()
     );
+}
+
+/// Lamps in an emitters.json: what they light, and themselves.
+#[test]
+fn a_window_shows_near_lights_as_the_cpu_sees_them() {
+    let test = "a_window_shows_near_lights_as_the_cpu_sees_them";
+    let Some(display) = Display::open(test) else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let lamps = r#"{ "emitters": [
+      { "quad": [0.5, 0.4], "radiance": [9, 6, 3], "position": [-0.2, 0.9, 0.9], "target": [0, 0.4, 0], "twoSided": true },
+      { "sphere": 0.1, "radiance": [1, 3, 9], "position": [0.8, 0.7, 0.3] } ] }"#;
+    std::fs::write(folder.path().join("lamps.json"), lamps).unwrap();
+    let placed = emitter::from_json(lamps.as_bytes(), folder.path())
+        .unwrap()
+        .0
+        .placed();
+    // Bounces that were folded in hold for distant light, so near light waits for a bake of direct transfer.
+    for bounces in [0, 1] {
+        let baked = baked_with(None, bounces);
+        asset::write(&baked, &folder.path().join("ball.glb")).unwrap();
+        let line = "ball.glb --emitters lamps.json --light constant:0.2,0.2,0.3 --exposure -1 --no-panels --size 480x270 --screenshot look.png";
+        let output = display.view(folder.path(), line);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        if said.contains("no window could be opened") {
+            println!(
+                "skipped: {test}: needs a graphics adapter (Debian: mesa-vulkan-drivers): {said}"
+            );
+            return;
+        }
+        assert!(output.status.success(), "{said}");
+        let picture = image::open(folder.path().join("look.png"))
+            .unwrap()
+            .to_rgb8();
+        let expected = with_lamps(&baked, bounces, &placed);
+        let pairs = picture.pixels().zip(&expected);
+        let off = pairs.map(|(a, b)| (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap());
+        let off: Vec<u8> = off.collect();
+        let more = off.iter().filter(|&&off| off > 3).count();
+        println!(
+            "{bounces} bounces: {more} of {} pixels more than 3 codes off",
+            off.len()
+        );
+        assert!(more * 40 < off.len(), "{more} of {}", off.len());
+    }
+}
+
+/// What the CPU sees of distant light as it was baked, and of near light by a bake of direct transfer and the gather operator, in codes.
+fn with_lamps(asset: &Asset, bounces: u32, placed: &Placed) -> Vec<[u8; 3]> {
+    let world = World::new(&asset.scene);
+    let sky = light::load(
+        &"constant:0.2,0.2,0.3".parse().unwrap(),
+        &Default::default(),
+    )
+    .unwrap()
+    .0;
+    let order = asset.transfer.order;
+    let far = IncidentLight::Distant(sky.project(order));
+    let near = emitter::light_at_vertices(&world.positions, placed, order);
+    let mut sides = bounced(&asset.transfer, &far, 0).unwrap();
+    let more = bounced(
+        &baked_with(None, 0).transfer,
+        &IncidentLight::PerVertex(near),
+        bounces,
+    )
+    .unwrap();
+    for (sum, more) in sides.front.iter_mut().zip(&more.front) {
+        *sum = std::array::from_fn(|c| sum[c] + more[c]);
+    }
+    let radiance = VertexRadiance::of_sides(&asset.transfer, sides);
+    let options = RaycastOptions {
+        width: SIZE.0,
+        height: SIZE.1,
+        ..RaycastOptions::default()
+    };
+    let camera = Camera::framing(&world, SIZE.0 as f32 / SIZE.1 as f32);
+    let (tracer, behind) = (Tracer::new(&world), |d| sky.radiance(d));
+    let picture = display::render(
+        &world,
+        &tracer,
+        &radiance,
+        &behind,
+        Some(placed),
+        &camera,
+        &options,
+    )
+    .unwrap();
+    let tone = ToneMap { exposure: -1.0 };
+    picture.pixels.iter().map(|&p| tone.encode(p)).collect()
 }
 
 #[test]

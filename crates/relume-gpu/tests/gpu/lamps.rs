@@ -71,10 +71,10 @@ fn compare(
     renderer.upload(world, &transfer).unwrap();
     renderer.set_light(&light).unwrap();
     let bare = gpu.draw(&mut renderer, from, &Look::default(), SIZE);
-    renderer.set_emitters(Some(placed)).unwrap();
+    renderer.show_emitters(Some(placed)).unwrap();
     let drawn = gpu.draw(&mut renderer, from, &Look::default(), SIZE);
     assert_ne!(bare, drawn, "{name}");
-    renderer.set_emitters(None).unwrap();
+    renderer.show_emitters(None).unwrap();
     let without = gpu.draw(&mut renderer, from, &Look::default(), SIZE);
     assert_eq!(bare, without, "{name}");
     let radiance = VertexRadiance::new(&transfer, &light);

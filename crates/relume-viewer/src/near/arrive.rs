@@ -60,7 +60,7 @@ impl Arriving {
     pub fn arrive(&mut self, near: &Near, world: &World) -> Arrived {
         let begun = Instant::now();
         let (light, domains) = match near.method {
-            Method::Exact => (self.exact(near), Vec::new()),
+            Method::Exact | Method::Device => (self.exact(near), Vec::new()),
             Method::FirstOrder => self.first_order(near, world),
             Method::Domains => self.domains(near, world),
         };

@@ -15,9 +15,12 @@ pub use shade::{error, shade};
 /// How light of emitters is found at the vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
-    /// At every vertex.
-    #[default]
+    /// At every vertex, on the processor.
+    #[cfg_attr(not(target_arch = "wasm32"), default)]
     Exact,
+    /// At every vertex, on the graphics device, where the scene's transfer takes all light alike; else as [`Self::Exact`].
+    #[cfg_attr(target_arch = "wasm32", default)]
+    Device,
     /// From samples with gradients where they matter.
     FirstOrder,
     /// From samples in valid domains [sun2005].
@@ -26,8 +29,17 @@ pub enum Method {
 
 impl Method {
     /// Every choice, with its name and what it is.
-    pub const ALL: [(Self, &str, &str); 3] = [
-        (Self::Exact, "exact", "in closed form at every vertex"),
+    pub const ALL: [(Self, &str, &str); 4] = [
+        (
+            Self::Exact,
+            "exact",
+            "in closed form at every vertex, on the processor",
+        ),
+        (
+            Self::Device,
+            "device",
+            "in closed form at every vertex, on the graphics device, where light does not bounce on",
+        ),
         (
             Self::FirstOrder,
             "gradients",
@@ -39,6 +51,13 @@ impl Method {
             "samples in valid domains, after Sun's thesis of 2005",
         ),
     ];
+}
+
+impl Method {
+    /// Whether there is nothing to differ from exact light.
+    pub fn is_exact(self) -> bool {
+        matches!(self, Self::Exact | Self::Device)
+    }
 }
 
 /// What dragging a lamp does to it.
@@ -111,7 +130,7 @@ impl Default for Near {
             shows_samples: false,
             shows_domains: false,
             error: None,
-            bounces: 2,
+            bounces: 0,
         }
     }
 }

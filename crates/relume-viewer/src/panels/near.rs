@@ -169,7 +169,7 @@ fn sampling(near: &mut Near, ui: &mut egui::Ui) -> bool {
         }
     });
     let options = match near.method {
-        Method::Exact => None,
+        Method::Exact | Method::Device => None,
         Method::FirstOrder => Some(&mut near.refine[0]),
         Method::Domains => Some(&mut near.refine[1]),
     };
@@ -215,6 +215,10 @@ fn sampling(near: &mut Near, ui: &mut egui::Ui) -> bool {
 
 fn report(viewer: &Viewer, ui: &mut egui::Ui) {
     let report = &viewer.report;
+    if report.on_device {
+        ui.weak("at every vertex, with the relight pass");
+        return;
+    }
     let from = match report.domains.len() {
         0 => "at every vertex".to_owned(),
         count => format!("{count} samples"),

@@ -4,7 +4,7 @@ use eframe::egui::{self, Color32, Stroke};
 
 use crate::app::Viewer;
 use crate::gizmo::Pointer;
-use crate::near::{Domain, Method};
+use crate::near::Domain;
 use crate::projection::Projection;
 
 /// The most samples that are drawn.
@@ -66,7 +66,7 @@ pub fn paint(viewer: &Viewer, ui: &egui::Ui, rect: egui::Rect) {
     };
     let painter = ui.painter_at(rect);
     let near = &viewer.near;
-    if near.method != Method::Exact && !near.is_empty() {
+    if !near.method.is_exact() && !near.is_empty() {
         let domains = &viewer.report.domains;
         let domains = &domains[..domains.len().min(MOST)];
         if near.shows_domains {

@@ -32,6 +32,13 @@ pub struct ClosedForm {
     lobes: [OnceLock<Lobe>; MAX_EXPONENT as usize + 1],
 }
 
+/// What shines, by its number among its like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    Polygon(usize),
+    Sphere(usize),
+}
+
 /// What one exponent takes.
 #[derive(Debug)]
 struct Lobe {
@@ -98,18 +105,19 @@ impl ClosedForm {
         placed: &Placed,
         at: DVec3,
     ) -> (Incident, LightGradient) {
-        let is_black = |i: usize| placed.polygons[i].is_black();
+        let is_black =
+            |part: Part| matches!(part, Part::Polygon(i) if placed.polygons[i].is_black());
         let none = LightGradient::none(self.order);
         let (incident, gradient) = self.sum(placed, at, &is_black, Some(none));
         (incident, gradient.expect("as given"))
     }
 
-    /// Incident light of all but the polygons that `left_out` names, which hide others all the same.
+    /// Incident light of all but the parts that `left_out` names, which hide others all the same.
     pub(super) fn sample_without(
         &self,
         placed: &Placed,
         at: DVec3,
-        left_out: &dyn Fn(usize) -> bool,
+        left_out: &dyn Fn(Part) -> bool,
     ) -> Incident {
         self.sum(placed, at, left_out, None).0
     }
@@ -118,7 +126,7 @@ impl ClosedForm {
         &self,
         placed: &Placed,
         at: DVec3,
-        left_out: &dyn Fn(usize) -> bool,
+        left_out: &dyn Fn(Part) -> bool,
         gradient: Option<LightGradient>,
     ) -> (Incident, Option<LightGradient>) {
         let holds = |s: &&PlacedSphere| s.centre.distance(at) <= s.radius;
@@ -130,13 +138,13 @@ impl ClosedForm {
             incident: Incident::dark(self.order),
             gradient,
         };
-        for (sphere, view) in placed.spheres.iter().zip(&views.spheres) {
-            if let Some(view) = view {
+        for (i, (sphere, view)) in placed.spheres.iter().zip(&views.spheres).enumerate() {
+            if let Some(view) = view.as_ref().filter(|_| !left_out(Part::Sphere(i))) {
                 sum.add_sphere(sphere, view, at);
             }
         }
         for (i, view) in views.polygons.iter().enumerate() {
-            if let Some(view) = view.as_ref().filter(|_| !left_out(i)) {
+            if let Some(view) = view.as_ref().filter(|_| !left_out(Part::Polygon(i))) {
                 sum.add_polygon(placed, i, view, at);
             }
         }

@@ -2,10 +2,11 @@
 
 use glam::{DVec3, Vec3};
 
+use super::closed_form::Part;
 use super::exact_kernel::Faces;
 use super::occluders::Ball;
 use super::placed::Shine;
-use super::{ClosedForm, Placed, PlacedPolygon, Sampler};
+use super::{ClosedForm, Placed, PlacedPolygon, PlacedSphere, Sampler};
 use crate::basis::{Order, PolygonHarmonics, gauss_legendre};
 use crate::light::VertexLight;
 use crate::parallel;
@@ -38,15 +39,17 @@ pub struct PlainFace {
 /// Emitters as some vertices see them, in two parts: faces that a kernel in f32 adds up at every vertex, on the CPU ([`light_at_vertices`]) or on a GPU, and
 /// the rest, for [`ClosedForm`].
 ///
-/// A face is plain where its radiance is the same all over, it has no exponent, and nothing may hide any of it from any of the vertices; with spheres, and
-/// at orders above [`Self::MOST_ORDER`], none is.
+/// A face is plain where its radiance is the same all over, it has no exponent, and nothing may hide any of it from any of the vertices; at orders above
+/// [`Self::MOST_ORDER`] none is.
 pub struct ExactParts<'a> {
     placed: &'a Placed,
     form: ClosedForm,
     /// By polygon.
     is_plain: Vec<bool>,
     faces: Vec<PlainFace>,
-    has_rest: bool,
+    /// By sphere: seen whole from everywhere, and from outside, too.
+    is_whole: Vec<bool>,
+    spheres: Vec<PlacedSphere>,
 }
 
 impl<'a> ExactParts<'a> {
@@ -61,16 +64,21 @@ impl<'a> ExactParts<'a> {
         let has_plain = order.get() <= Self::MOST_ORDER && !positions.is_empty();
         let polygons = &placed.polygons;
         let is_plain = parallel::map(polygons.len(), |i| has_plain && is_plain(placed, i, &ball));
+        let is_whole: Vec<bool> = (0..placed.spheres.len())
+            .map(|i| has_plain && is_whole(placed, i, positions, &ball))
+            .collect();
         let plain = polygons.iter().zip(&is_plain).filter(|(_, plain)| **plain);
-        let rest = polygons.iter().zip(&is_plain).filter(|(_, plain)| !**plain);
+        let shining = placed.spheres.iter().zip(&is_whole);
+        let shining = shining.filter(|(sphere, whole)| **whole && !sphere.is_black());
         Self {
             faces: plain
                 .filter_map(|(polygon, _)| face(placed, polygon))
                 .collect(),
-            has_rest: !placed.spheres.is_empty() || rest.into_iter().any(|(p, _)| !p.is_black()),
+            spheres: shining.map(|(sphere, _)| *sphere).collect(),
             placed,
             form: ClosedForm::new(order),
             is_plain,
+            is_whole,
         }
     }
 
@@ -79,29 +87,48 @@ impl<'a> ExactParts<'a> {
         &self.faces
     }
 
-    /// Light of all but the plain faces at each position; `None` where that is none.
+    /// Light of all but the plain faces at each position, spheres too; `None` where that is none.
     pub fn rest(&self, positions: &[Vec3]) -> Option<VertexLight> {
         let (order, count) = (self.form.order(), self.form.order().count());
-        self.has_rest.then(|| {
+        let left_out = |part: Part| matches!(part, Part::Polygon(i) if self.is_plain[i]);
+        self.has_more_than(&left_out).then(|| {
             let mut coefficients = vec![[0.0; 3]; positions.len() * count];
             parallel::chunks(&mut coefficients, BLOCK * count, |block, rows| {
-                self.add_rest(&positions[block * BLOCK..], rows);
+                self.add(&left_out, &positions[block * BLOCK..], rows);
             });
             VertexLight::new(order, coefficients)
         })
     }
 
-    /// Adds the rest to the coefficients of the first positions.
-    fn add_rest(&self, positions: &[Vec3], rows: &mut [[f32; 3]]) {
-        if !self.has_rest {
-            return;
+    /// Of each sphere, whether it is seen whole, and from outside, from everywhere.
+    #[cfg(test)]
+    pub(super) fn whole(&self) -> Vec<bool> {
+        self.is_whole.clone()
+    }
+
+    /// What the vectors of the CPU take.
+    fn is_taken(&self, part: Part) -> bool {
+        match part {
+            Part::Polygon(i) => self.is_plain[i],
+            Part::Sphere(i) => self.is_whole[i],
         }
+    }
+
+    /// Whether anything shines that is not left out.
+    fn has_more_than(&self, left_out: &dyn Fn(Part) -> bool) -> bool {
+        let shines = |i: &usize| !self.placed.polygons[*i].is_black();
+        let mut polygons = (0..self.placed.polygons.len()).filter(shines);
+        let shines = |i: &usize| !self.placed.spheres[*i].is_black();
+        let mut spheres = (0..self.placed.spheres.len()).filter(shines);
+        polygons.any(|i| !left_out(Part::Polygon(i))) || spheres.any(|i| !left_out(Part::Sphere(i)))
+    }
+
+    /// Adds what is not left out to the coefficients of the first positions.
+    fn add(&self, left_out: &dyn Fn(Part) -> bool, positions: &[Vec3], rows: &mut [[f32; 3]]) {
         let rows = rows.chunks_exact_mut(self.form.order().count());
         for (position, row) in positions.iter().zip(rows) {
             let at = position.as_dvec3();
-            let incident = self
-                .form
-                .sample_without(self.placed, at, &|i| self.is_plain[i]);
+            let incident = self.form.sample_without(self.placed, at, left_out);
             for (place, value) in row.iter_mut().zip(&incident.coefficients) {
                 *place = std::array::from_fn(|c| place[c] + value[c] as f32);
             }
@@ -111,7 +138,7 @@ impl<'a> ExactParts<'a> {
 
 /// Incident light at each position, in closed form.
 ///
-/// Plain faces ([`ExactParts`]) are summed in f32, for a vector of vertices at a time: against [`ClosedForm`] within
+/// Plain faces ([`ExactParts`]), and spheres that nothing hides, are summed in f32, for a vector of vertices at a time: against [`ClosedForm`] within
 /// 1e-5 of the largest coefficient. The rest is as [`ClosedForm`] has it. The same bytes for any number of threads and every
 /// instruction set.
 pub fn light_at_vertices(positions: &[Vec3], placed: &Placed, order: Order) -> VertexLight {
@@ -128,6 +155,8 @@ pub(super) fn light_with(
     let parts = ExactParts::new(positions, placed, order);
     let harmonics = PolygonHarmonics::new(order);
     let scales: Vec<f32> = harmonics.scales().iter().map(|&x| x as f32).collect();
+    let is_taken = |part: Part| parts.is_taken(part);
+    let has_more = parts.has_more_than(&is_taken);
     let mut coefficients = vec![[0.0_f32; 3]; positions.len() * count];
     parallel::chunks(&mut coefficients, BLOCK * count, |block, rows| {
         let here = &positions[block * BLOCK..][..rows.len() / count];
@@ -135,10 +164,13 @@ pub(super) fn light_with(
             order,
             scales: &scales,
             faces: parts.faces(),
+            spheres: &parts.spheres,
             positions: here,
             rows: rows.as_flattened_mut(),
         });
-        parts.add_rest(here, rows);
+        if has_more {
+            parts.add(&is_taken, here, rows);
+        }
     });
     VertexLight::new(order, coefficients)
 }
@@ -153,11 +185,27 @@ fn is_plain(placed: &Placed, index: usize, ball: &Ball) -> bool {
             &Ball::of(&placed.polygons[*other as usize]),
         )
     };
+    let shades = |sphere: &PlacedSphere| ball.may_hide(&Ball::of(polygon), &sphere.ball());
     matches!(polygon.shine, Shine::Uniform(_))
         && polygon.exponent == 0
-        && placed.spheres.is_empty()
+        && !placed.spheres.iter().any(shades)
         && !occluders.before.iter().any(hides)
         && !(polygon.two_sided && occluders.behind.iter().any(hides))
+}
+
+/// Whether a sphere is seen whole from everywhere in the ball, and no position is in it.
+fn is_whole(placed: &Placed, index: usize, positions: &[Vec3], ball: &Ball) -> bool {
+    let sphere = &placed.spheres[index];
+    let seen = sphere.ball();
+    let others = placed.spheres.iter().enumerate();
+    let mut others = others.filter(|(i, _)| *i != index);
+    let inside = |p: &Vec3| p.as_dvec3().distance(sphere.centre) <= sphere.radius * (1.0 + 1e-6);
+    !others.any(|(_, other)| ball.may_hide(&seen, &other.ball()))
+        && !placed
+            .polygons
+            .iter()
+            .any(|face| ball.may_hide(&seen, &Ball::of(face)))
+        && !positions.iter().any(inside)
 }
 
 /// What a kernel takes of a polygon; `None` of a black one.

@@ -2,7 +2,9 @@
 
 use glam::{DVec3, Vec3};
 
+use super::PlacedSphere;
 use super::exact::{ExactParts, PlainFace};
+use super::sphere::cap_integrals;
 use crate::basis::{Order, index, sh};
 use crate::simd::{Kernel, Lanes, Level, Mask};
 
@@ -14,19 +16,21 @@ const SMALL: f32 = ExactParts::SMALL;
 /// Lanes of the widest vector.
 const WIDE: usize = 16;
 
-/// Adds up faces at some vertices.
+/// Adds up faces and spheres at some vertices.
 pub struct Faces<'a> {
     pub order: Order,
     /// From solid harmonics R_l^m to Y_lm, at l(l+1)/2 + m.
     pub scales: &'a [f32],
     pub faces: &'a [PlainFace],
+    /// Seen whole, and from outside.
+    pub spheres: &'a [PlacedSphere],
     pub positions: &'a [Vec3],
     /// `[vertices][order²][3]`.
     pub rows: &'a mut [f32],
 }
 
 /// One number of each vertex.
-type Point<L> = [L; 3];
+pub(super) type Point<L> = [L; 3];
 /// Real and imaginary part.
 type Complex<L> = (L, L);
 type Solid<L> = [Complex<L>; PLACES];
@@ -52,13 +56,12 @@ impl Kernel for Faces<'_> {
             sums.fill([L::splat(0.0); 3]);
             for face in self.faces {
                 work.integrate(face, origin, at);
-                let [r, g, b] = face.radiance;
-                let rgb = [L::splat(r), L::splat(g), L::splat(b)];
-                for (sum, value) in sums.iter_mut().zip(&work.values) {
-                    sum[0] = sum[0] + rgb[0] * *value;
-                    sum[1] = sum[1] + rgb[1] * *value;
-                    sum[2] = sum[2] + rgb[2] * *value;
-                }
+                work.shine(face.radiance, &mut sums);
+            }
+            for sphere in self.spheres {
+                let centre = minus(splat(sphere.centre - origin), at);
+                cap_integrals(&mut work, centre, sphere.radius as f32);
+                work.shine(sphere.radiance, &mut sums);
             }
             let mut lanes = [0.0; WIDE];
             for (k, sum) in sums.as_flattened().iter().enumerate() {
@@ -72,14 +75,14 @@ impl Kernel for Faces<'_> {
 }
 
 /// Room for the integrals over one face.
-struct Work<'a, L> {
-    n: usize,
+pub(super) struct Work<'a, L> {
+    pub n: usize,
     scales: &'a [f32],
-    evaluator: sh::Evaluator,
-    /// Y_i at one point of the face.
-    basis: Vec<f32>,
+    pub evaluator: sh::Evaluator,
+    /// Y_i at one point.
+    pub basis: Vec<f32>,
     /// `∫ Y_i dω` by vertex; 0 for vertices that do not see the face.
-    values: Vec<L>,
+    pub values: Vec<L>,
     /// The same, by edges.
     near: Vec<L>,
 }
@@ -94,6 +97,17 @@ impl<'a, L: Lanes> Work<'a, L> {
             basis: vec![0.0; order.count() * L::COUNT],
             values: vec![L::splat(0.0); order.count()],
             near: vec![L::splat(0.0); order.count()],
+        }
+    }
+
+    /// Adds the values times a radiance.
+    #[inline(always)]
+    fn shine(&self, [r, g, b]: [f32; 3], sums: &mut [[L; 3]]) {
+        let rgb = [L::splat(r), L::splat(g), L::splat(b)];
+        for (sum, value) in sums.iter_mut().zip(&self.values) {
+            sum[0] = sum[0] + rgb[0] * *value;
+            sum[1] = sum[1] + rgb[1] * *value;
+            sum[2] = sum[2] + rgb[2] * *value;
         }
     }
 
@@ -354,7 +368,7 @@ fn minus<L: Lanes>(a: Point<L>, b: Point<L>) -> Point<L> {
 }
 
 #[inline(always)]
-fn dot<L: Lanes>(a: Point<L>, b: Point<L>) -> L {
+pub(super) fn dot<L: Lanes>(a: Point<L>, b: Point<L>) -> L {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 
 use super::face_tree::FaceTree;
-use super::occluders::{Occluders, occluders};
+use super::occluders::{Ball, Occluders, occluders};
 use super::pattern::{Cells, radiance};
 use super::shapes::area_vector;
 use super::{Emitter, EmitterMesh, Emitters, Pattern, Shape};
@@ -313,6 +313,19 @@ impl PlacedPolygon {
 }
 
 impl PlacedSphere {
+    /// Whether it only blocks.
+    pub fn is_black(&self) -> bool {
+        self.radiance == [0.0; 3]
+    }
+
+    /// As what may hide something.
+    pub(super) fn ball(&self) -> Ball {
+        Ball {
+            centre: self.centre,
+            radius: self.radius,
+        }
+    }
+
     fn meet(&self, origin: DVec3, direction: DVec3) -> Option<EmitterHit> {
         let length = direction.length();
         let (toward, along) = (self.centre - origin, direction / length);

@@ -115,10 +115,7 @@ fn emitter_balls(placed: &Placed, count: usize) -> Vec<Ball> {
         parts[polygon.emitter].push(Ball::of(polygon));
     }
     for sphere in &placed.spheres {
-        parts[sphere.emitter].push(Ball {
-            centre: sphere.centre,
-            radius: sphere.radius,
-        });
+        parts[sphere.emitter].push(sphere.ball());
     }
     let whole = |parts: Vec<Ball>| {
         if parts.is_empty() {

@@ -1,11 +1,13 @@
-//! A sphere in closed form, seen whole: from outside, and from inside.
+//! A sphere in closed form, seen whole: from outside, and from inside; and many, from many points.
 
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
 use super::PlacedSphere;
+use super::exact_kernel::{Point, Work, dot};
 use super::sample::Incident;
+use crate::simd::Lanes;
 
 /// A sphere from outside.
 pub struct Cap {
@@ -34,6 +36,44 @@ impl Cap {
         let square = (a - r) * (a + r);
         let logarithm = libm::log((a + r) / square.sqrt());
         PI / square * (r * r / a + r - square / a * logarithm)
+    }
+}
+
+/// `∫ Y_i dω` over spheres of `radius` whose middles are at `toward`, as many as a vector has lanes, in f32: with s and c the sine and cosine of the half
+/// angle, 2π s² P_l′(c) / (l(l+1)) times Y_i of the middle, and 2π s² / (1 + c) for l = 0, which do not cancel where s is small.
+#[inline(always)]
+pub fn cap_integrals<L: Lanes>(work: &mut Work<L>, toward: Point<L>, radius: f32) {
+    let one = L::splat(1.0);
+    let distance = dot(toward, toward).sqrt();
+    let inverse = one.over(distance);
+    let sine = L::splat(radius) * inverse;
+    let squared = sine * sine;
+    let near = distance - L::splat(radius);
+    let far = distance + L::splat(radius);
+    let cosine = (near * far).most(L::splat(0.0)).sqrt() * inverse;
+    let direction = [
+        toward[0] * inverse,
+        toward[1] * inverse,
+        toward[2] * inverse,
+    ];
+    work.evaluator
+        .eval_vector(direction, &mut work.basis, L::COUNT);
+    let scale = L::splat(std::f32::consts::TAU) * squared;
+    // P_(l−1) and P_l, and their derivatives.
+    let (mut p, mut slope) = ([one, cosine], [L::splat(0.0), one]);
+    let mut band = scale.over(one + cosine);
+    for l in 0..work.n {
+        if l > 0 {
+            band = scale * slope[1] * L::splat(1.0 / (l * (l + 1)) as f32);
+            let (step, back) = ((2 * l + 1) as f32, l as f32);
+            let next = (L::splat(step) * cosine * p[1] - L::splat(back) * p[0])
+                * L::splat(1.0 / (l + 1) as f32);
+            slope = [slope[1], slope[0] + L::splat(step) * p[1]];
+            p = [p[1], next];
+        }
+        for i in l * l..(l + 1) * (l + 1) {
+            work.values[i] = band * L::load(&work.basis[i * L::COUNT..]);
+        }
     }
 }
 
