@@ -49,7 +49,7 @@ impl Viewer {
         };
         let seen = self.near.shows_lamps && !self.near.is_empty();
         let lamps = seen.then(|| self.near.placed());
-        let shown = self.stage.set_emitters(lamps);
+        let shown = self.stage.show_emitters(lamps);
         match lit.and(shown) {
             Ok(()) => self.frames.relights += 1,
             Err(error) => self.messages.error(error.to_string()),
