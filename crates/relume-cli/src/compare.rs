@@ -114,20 +114,21 @@ fn compared(
             "{name}: every vertex is buried; nothing can be compared"
         ))
     };
+    let light = lights.incident();
     if lights.placed.is_some() || lights.bounces > 0 {
-        let sides = lights.bounced(&args.asset, asset, &lights.incident())?;
-        if transfer.matrices.is_some() || transfer.kind == TransferKind::Unshadowed {
-            let what = "emitters are compared on diffuse assets with shadows; bake it without --transfer glossy and --no-shadows";
+        let sides = lights.bounced(&args.asset, asset, &light)?;
+        if transfer.kind == TransferKind::Unshadowed {
+            let what = "emitters are compared on assets with shadows; bake it without --no-shadows";
             return Err(Failure::new(format!("{name}: {what}")));
         }
-        let (valid, bounces) = (&transfer.valid, lights.bounces);
-        let comparison =
-            reference::compare_radiance(world, valid, &sides.front, bounces, sources, &options);
-        return comparison.ok_or_else(buried);
-    }
-    let light = &lights.distant;
-    if transfer.matrices.is_none() {
-        let comparison = reference::compare(world, transfer, light, &options);
+        if transfer.matrices.is_none() {
+            let (valid, bounces) = (&transfer.valid, lights.bounces);
+            let comparison =
+                reference::compare_radiance(world, valid, &sides.front, bounces, sources, &options);
+            return comparison.ok_or_else(buried);
+        }
+    } else if transfer.matrices.is_none() {
+        let comparison = reference::compare(world, transfer, &lights.distant, &options);
         return comparison.ok_or_else(buried);
     }
     let tile = |material: &Material| matches!(material.reflection, Reflection::Tile { .. });
@@ -136,7 +137,7 @@ fn compared(
         return Err(Failure::new(format!("{name}: {what}")));
     }
     let eye = camera.eye.as_dvec3();
-    let comparison = reference::compare_toward(world, transfer, light, eye, &options)
+    let comparison = reference::compare_outgoing(world, transfer, &light, sources, eye, &options)
         .map_err(|error| Failure::new(format!("{name}: {error}")))?;
     let what = "no vertex but buried ones faces the eye; choose another --eye";
     comparison.ok_or_else(|| Failure::new(format!("{name}: {what}")))

@@ -105,6 +105,36 @@ fn emitters_are_compared_with_paths() {
 }
 
 #[test]
+fn emitters_on_glossy_assets_are_compared_toward_an_eye() {
+    let bench = lit(
+        "--order 8 --transfer glossy --transfer-order 8 --brdf phong --kd 0.4,0.4,0.4 --ks 0.3 --exponent 5",
+    );
+    let line = "compare baked.glb --emitters lamps.json --eye 2,4,3 --vertices 20 --paths 4096";
+    let said = bench.succeed(&format!("{line} --json")).0;
+    let figures: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(figures["eye"][1].as_f64(), Some(4.0), "{said}");
+    let error = figures["relative_rms"]["value"].as_f64().unwrap();
+    assert!(error < 0.1, "{said}");
+    let said = bench.fail(1, &format!("{line} --bounces 1"));
+    assert!(said.contains("leave --bounces out"), "{said}");
+}
+
+#[test]
+fn what_shines_must_be_said_and_all_that_may_is_named() {
+    let bench = lit("--order 2");
+    for line in [
+        "shade baked.glb -o x.npz",
+        "render baked.glb -o x.png",
+        "compare baked.glb",
+    ] {
+        let said = bench.fail(2, line);
+        assert!(said.contains("--light <ENV>|--emitters <FILE>"), "{said}");
+    }
+    let said = bench.fail(2, "light -o x.npz");
+    assert!(said.contains("ENV|--emitters <FILE>"), "{said}");
+}
+
+#[test]
 fn what_is_no_emitter_is_said_in_one_line() {
     let bench = lit("--order 2");
     for (text, needle) in [

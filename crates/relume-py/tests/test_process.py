@@ -135,6 +135,38 @@ def test_other_threads_go_on_while_one_bakes():
     assert len(middle) >= 5, (len(ticks), end - start)
 
 
+def test_other_threads_go_on_and_move_lights_while_near_light_is_found():
+    emitters = relume.Emitters([relume.Emitter(relume.Sphere(0.1), 1), relume.Emitter(relume.Quad(1, 1), 1)])
+    count, points = 1 << 10, None
+    while True:
+        points = np.random.default_rng(2).uniform(1, 2, size=(count, 3))
+        start = time.monotonic()
+        expected = emitters.light_at(points, 10)
+        if time.monotonic() - start > 0.5 or count == 1 << 22:
+            break
+        count *= 2
+    moves, stop = [], threading.Event()
+
+    def move():
+        while not stop.wait(0.005):
+            emitters.set_pose(0, np.eye(4))
+            moves.append(time.monotonic())
+
+    thread = threading.Thread(target=move)
+    thread.start()
+    try:
+        start = time.monotonic()
+        found = emitters.light_at(points, 10)
+        end = time.monotonic()
+    finally:
+        stop.set()
+        thread.join()
+    middle = [when for when in moves if start + 0.2 * (end - start) < when < end - 0.2 * (end - start)]
+    assert len(middle) >= 5, (len(middle), end - start)
+    # To where they stood.
+    np.testing.assert_array_equal(found, expected)
+
+
 def test_bakes_in_several_threads_do_not_disturb_each_other():
     expected, results = relume.bake(*grid(9), samples=256).tobytes(), []
     threads = [threading.Thread(target=lambda: results.append(relume.bake(*grid(9), samples=256).tobytes())) for _ in range(4)]
@@ -145,15 +177,21 @@ def test_bakes_in_several_threads_do_not_disturb_each_other():
     assert results == [expected] * 4
 
 
+def work():
+    vertices, faces = grid(3)
+    transfer = relume.bake(vertices, faces, samples=16)
+    lamp = relume.Emitters([relume.Emitter(relume.Sphere(2), 1, two_sided=True)])
+    return relume.shade(transfer, lamp.light_at(vertices) + relume.light("sky:30,3")).tobytes()
+
+
 def work_in_a_child(queue):
-    transfer = relume.bake(*grid(3), samples=16)
-    queue.put(relume.shade(transfer, relume.light("sky:30,3")).tobytes())
+    queue.put(work())
 
 
 @pytest.mark.skipif("fork" not in multiprocessing.get_all_start_methods(), reason="needs fork")
 @pytest.mark.filterwarnings("ignore:This process:DeprecationWarning")
 def test_a_forked_process_works_after_its_parent_has():
-    expected = relume.shade(relume.bake(*grid(3), samples=16), relume.light("sky:30,3")).tobytes()
+    expected = work()
     context = multiprocessing.get_context("fork")
     queue = context.Queue()
     child = context.Process(target=work_in_a_child, args=(queue,))

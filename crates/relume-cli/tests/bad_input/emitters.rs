@@ -98,19 +98,15 @@ fn entries() -> Vec<(&'static str, Value, &'static str)> {
 
 pub fn cases(made: &Made) -> Vec<Case> {
     let text = good().to_string();
-    let flat = |corners: &str| {
-        let obj = format!("v 0 0 0\nv 1 0 0\nv 2 0 0\n{corners}\n");
-        Case::new(
-            "a mesh without area",
-            SHADE,
-            Outcome::Refused("has an area"),
-        )
-        .with("m.obj", obj)
-        .with(
-            "a.json",
-            json!({"emitters": [{"mesh": "m.obj", "radiance": 1}]}).to_string(),
-        )
-    };
+    let mesh = json!({"emitters": [{"mesh": "m.obj", "radiance": 1}]}).to_string();
+    let flat = Case::new(
+        "emitters: a mesh without area",
+        SHADE,
+        Outcome::Refused("faces that have an area"),
+    );
+    let flat = flat
+        .with("m.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n")
+        .with("a.json", mesh);
     let whole: Vec<(&str, Vec<u8>, &'static str)> = vec![
         (
             "emitters cut off",
@@ -151,7 +147,7 @@ pub fn cases(made: &Made) -> Vec<Case> {
         Case::new(format!("emitters: {name}"), SHADE, Outcome::Refused(part)).with("a.json", bytes)
     };
     let cases = whole.into_iter().chain(entries).map(refused);
-    let cases = cases.chain([flat("f 1 2 3")]);
+    let cases = cases.chain([flat]);
     let asset = |case: Case| case.with("a.glb", made.asset.clone());
     cases.map(asset).collect()
 }
