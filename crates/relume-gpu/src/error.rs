@@ -80,6 +80,38 @@ pub enum GpuError {
         /// How many fit.
         limit: usize,
     },
+    /// A cube map that textures of the device have no room for.
+    #[error(
+        "cube maps of {size} pixels a side need textures of {texels} texels a side; this device allows {limit}: use a size from 1 on, or a lower one or order"
+    )]
+    CubeSize {
+        /// Pixels along the side of a face.
+        size: u32,
+        /// The longer side.
+        texels: usize,
+        /// What the device allows.
+        limit: usize,
+    },
+    /// More points than are drawn at once.
+    #[error("cube maps of {points} points; {limit} are drawn at once: draw them in parts")]
+    CubePoints {
+        /// How many were given.
+        points: usize,
+        /// How many there may be.
+        limit: usize,
+    },
+    /// An emitter that cube maps do not show.
+    #[error(
+        "emitter \"{}\" has a texture, which cube maps on the device do not show: use `relume::light::emitter::CubeMap`, or radiance by vertex",
+        name.escape_debug()
+    )]
+    TexturedEmitter {
+        /// As its file has it.
+        name: String,
+    },
+    /// The device was lost while it was waited for.
+    #[error("the device was lost before it had answered; make another one")]
+    Lost,
     /// A material that glossy transfer does not know.
     #[error(transparent)]
     Anisotropic(#[from] Anisotropic),

@@ -7,6 +7,9 @@ use wgpu::{
     Extent3d, Queue, Texture, TextureFormat, TextureUsages, TextureView, TextureViewDescriptor,
 };
 
+#[cfg(not(target_arch = "wasm32"))]
+use crate::GpuError;
+
 /// The application's device and queue.
 #[derive(Clone)]
 pub struct Gpu {
@@ -77,6 +80,45 @@ impl Gpu {
                 depth_or_array_layers: 1,
             },
         );
+    }
+
+    /// The first rows of a texture of the bits of floats, waited for.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn read_rows(&self, texture: &Texture, rows: u32) -> Result<Vec<[f32; 4]>, GpuError> {
+        if rows == 0 {
+            return Ok(Vec::new());
+        }
+        let used = 16 * texture.width();
+        let stride = used.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("read"),
+            size: u64::from(stride * rows),
+            usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let to = wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout: wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(stride),
+                rows_per_image: None,
+            },
+        };
+        let size = Extent3d {
+            height: rows,
+            ..texture.size()
+        };
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        encoder.copy_texture_to_buffer(texture.as_image_copy(), to, size);
+        self.queue.submit([encoder.finish()]);
+        buffer.map_async(wgpu::MapMode::Read, .., |_| ());
+        let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
+        polled.map_err(|_| GpuError::Lost)?;
+        let mapped = buffer.get_mapped_range(..).map_err(|_| GpuError::Lost)?;
+        let rows = mapped.chunks_exact(stride as usize);
+        Ok(rows
+            .flat_map(|row| bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(&row[..used as usize]))
+            .collect())
     }
 
     /// A texture array of half floats, to be sampled: width, height and layers.

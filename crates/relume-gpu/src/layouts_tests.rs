@@ -7,6 +7,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use relume::basis::Order;
 
 use super::*;
+use crate::cube::{CUBE, PROJECT};
 use crate::glossy::source;
 use crate::near_source;
 use crate::pipelines::{MATRICES, RELIGHT, VIEW};
@@ -20,7 +21,7 @@ fn every_shader_is_valid_without_any_extension() {
     let glossy = [1, 2, 5, 10].map(|n| source(Order::new(n).unwrap()));
     let near = [(1, 1), (2, 3), (3, 1), (4, 3), (10, 1)]
         .map(|(n, channels)| near_source::source(Order::new(n).unwrap(), channels));
-    let plain = [RELIGHT, MATRICES, VIEW].into_iter();
+    let plain = [RELIGHT, MATRICES, VIEW, CUBE, PROJECT].into_iter();
     let lamps = crate::lamps::source();
     let written = glossy.iter().chain(&near).chain([&lamps]);
     for source in plain.chain(written.map(String::as_str)) {

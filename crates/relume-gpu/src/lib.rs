@@ -43,6 +43,8 @@
 
 mod background;
 mod blocks;
+mod cube;
+mod cube_shapes;
 mod error;
 mod glossy;
 mod gpu;
@@ -68,6 +70,7 @@ mod sides;
 mod tiles;
 mod transfer;
 
+pub use cube::CubeSampler;
 pub use error::GpuError;
 pub use look::{Look, Surface};
 pub use material::MaterialEdit;

@@ -160,6 +160,11 @@ impl Placed {
         });
     }
 
+    /// Whose faces and spheres these are, in the order given.
+    pub fn emitters(&self) -> &[Emitter] {
+        &self.sources
+    }
+
     /// All faces.
     pub fn polygons(&self) -> &[PlacedPolygon] {
         &self.polygons
