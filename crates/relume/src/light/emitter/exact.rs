@@ -13,8 +13,6 @@ use crate::simd::Level;
 
 /// Vertices that a thread takes at a time; a multiple of every vector's width.
 const BLOCK: usize = 256;
-/// Gauss points along each side of a face that is seen small.
-const POINTS: usize = 4;
 
 /// A flat convex face of one radiance that nothing hides.
 #[derive(Clone, Debug)]
@@ -54,6 +52,8 @@ impl<'a> ExactParts<'a> {
     pub const MOST_ORDER: usize = 10;
     /// Plain faces whose radius is less than this share of their distance are summed by their points: integrals along edges cancel too much in f32.
     pub const SMALL: f32 = 0.3;
+    /// Gauss points along each side of such a face ([`PlainFace::nodes`]).
+    pub const POINTS: usize = 4;
 
     /// The parts of `placed` for vertices at `positions`, of light of `order`.
     pub fn new(positions: &[Vec3], placed: &'a Placed, order: Order) -> Self {
@@ -174,7 +174,7 @@ fn face(placed: &Placed, polygon: &PlacedPolygon) -> Option<PlainFace> {
 
 /// Points on a flat convex polygon, and the area that each stands for: on the triangles of a fan, or on a quadrangle at once.
 fn nodes(corners: &[DVec3]) -> Vec<(DVec3, f64)> {
-    let gauss: Vec<(f64, f64)> = gauss_legendre(POINTS)
+    let gauss: Vec<(f64, f64)> = gauss_legendre(ExactParts::POINTS)
         .iter()
         .map(|&(x, w)| (0.5 + 0.5 * x, 0.5 * w))
         .collect();
