@@ -57,7 +57,10 @@ fn main() -> Result<()> {
         let mut sampler = CubeSampler::new(&device, &queue, Order::new(4)?, size)?;
         for panels in [1, 16, 64] {
             let placed = around(panels, 0.0)?;
-            let seconds = best(|| Ok(drop(sampler.sample(&placed, &points)?)))?;
+            let seconds = best(|| {
+                sampler.sample(&placed, &points)?;
+                Ok(())
+            })?;
             println!("{size:>6}  {panels:>6}  {:>9.0}", POINTS as f64 / seconds);
         }
     }

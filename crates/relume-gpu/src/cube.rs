@@ -37,8 +37,7 @@ pub struct CubeSampler {
     size: u32,
     /// Points that fit.
     capacity: u32,
-    faces: RenderPipeline,
-    spheres: RenderPipeline,
+    draw: [RenderPipeline; 2],
     project: [RenderPipeline; 2],
     points: Texture,
     points_group: BindGroup,
@@ -83,8 +82,7 @@ impl CubeSampler {
         let points = gpu.texture("points", (1, capacity), TextureFormat::Rgba32Float, none);
         let passes = Passes::new(&gpu, order, size, &points, [&atlas, &rows]);
         Ok(Self {
-            faces: passes.faces,
-            spheres: passes.spheres,
+            draw: passes.draw,
             project: passes.project,
             points_group: passes.points_group,
             project_groups: passes.project_groups,
@@ -99,6 +97,11 @@ impl CubeSampler {
             rows,
             coefficients,
         })
+    }
+
+    /// Of the coefficients.
+    pub fn order(&self) -> Order {
+        self.order
     }
 
     /// How many points [`Self::draw`] takes at most.
@@ -169,9 +172,9 @@ impl CubeSampler {
             )
         };
         let lists = [
-            (&self.faces, shapes.faces.len(), vertices(&shapes.faces)?),
+            (&self.draw[0], shapes.faces.len(), vertices(&shapes.faces)?),
             (
-                &self.spheres,
+                &self.draw[1],
                 shapes.spheres.len(),
                 vertices(&shapes.spheres)?,
             ),
@@ -267,8 +270,8 @@ fn begin<'e>(
 
 /// What is made once.
 struct Passes {
-    faces: RenderPipeline,
-    spheres: RenderPipeline,
+    /// Faces, and spheres.
+    draw: [RenderPipeline; 2],
     project: [RenderPipeline; 2],
     points_group: BindGroup,
     project_groups: [BindGroup; 2],
@@ -291,48 +294,11 @@ impl Passes {
             layout(device, "cube maps", &first),
             layout(device, "projected rows", &[bits(2)]),
         ];
-        let (cube, project) = (
-            shader(device, "cube", CUBE),
-            shader(device, "project", PROJECT),
-        );
-        let drawing = |vertex, fragment| {
-            let pipeline = Pipeline {
-                shader: &cube,
-                vertex,
-                fragment,
-                groups: &[&read],
-                target: RADIANCE_FORMAT.into(),
-                mesh: Some((CubeVertex::LAYOUT, wgpu::PrimitiveTopology::TriangleList)),
-                depth: Some(Depth::Nearer),
-                constants: &[("SIZE", size.into())],
-            };
-            pipeline.create(device)
-        };
-        let adding = |fragment, group: &wgpu::BindGroupLayout| {
-            let pipeline = Pipeline {
-                shader: &project,
-                vertex: "cover",
-                fragment,
-                groups: &[group],
-                target: RADIANCE_FORMAT.into(),
-                mesh: None,
-                depth: None,
-                constants: &[
-                    ("QUADS", order.count().div_ceil(4) as f64),
-                    ("SIZE", size.into()),
-                ],
-            };
-            pipeline.create(device)
-        };
         let basis = basis(gpu, order, size);
         let view = BindingResource::TextureView;
         Self {
-            faces: drawing("face", "seen_face"),
-            spheres: drawing("sphere", "seen_sphere"),
-            project: [
-                adding("project_row", &groups[0]),
-                adding("add_rows", &groups[1]),
-            ],
+            draw: drawing(device, &read, size),
+            project: projecting(device, &groups, order, size),
             points_group: gpu.group("points", &read, [(0, view(&whole(points)))]),
             project_groups: [
                 gpu.group(
@@ -344,6 +310,48 @@ impl Passes {
             ],
         }
     }
+}
+
+fn drawing(device: &Device, points: &wgpu::BindGroupLayout, size: u32) -> [RenderPipeline; 2] {
+    let shader = shader(device, "cube", CUBE);
+    [("face", "seen_face"), ("sphere", "seen_sphere")].map(|(vertex, fragment)| {
+        let pipeline = Pipeline {
+            shader: &shader,
+            vertex,
+            fragment,
+            groups: &[points],
+            target: RADIANCE_FORMAT.into(),
+            mesh: Some((CubeVertex::LAYOUT, wgpu::PrimitiveTopology::TriangleList)),
+            depth: Some(Depth::Nearer),
+            constants: &[("SIZE", size.into())],
+        };
+        pipeline.create(device)
+    })
+}
+
+fn projecting(
+    device: &Device,
+    groups: &[wgpu::BindGroupLayout; 2],
+    order: Order,
+    size: u32,
+) -> [RenderPipeline; 2] {
+    let shader = shader(device, "project", PROJECT);
+    [(0, "project_row"), (1, "add_rows")].map(|(step, fragment)| {
+        let pipeline = Pipeline {
+            shader: &shader,
+            vertex: "cover",
+            fragment,
+            groups: &[&groups[step]],
+            target: RADIANCE_FORMAT.into(),
+            mesh: None,
+            depth: None,
+            constants: &[
+                ("QUADS", order.count().div_ceil(4) as f64),
+                ("SIZE", size.into()),
+            ],
+        };
+        pipeline.create(device)
+    })
 }
 
 /// Y_i times solid angle, for every pixel: see project.wgsl.

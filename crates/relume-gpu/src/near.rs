@@ -239,11 +239,9 @@ fn faces_texture(gpu: &Gpu, faces: &[PlainFace], origin: DVec3) -> Result<Textur
         texels.extend([
             face.normal.extend(face.radius).as_vec4().to_array(),
             near(face.centre, f64::from(u8::from(face.two_sided))),
-            [r, g, b, 0.0],
-            [face.corners.len() as f32, face.nodes.len() as f32, 0.0, 0.0],
+            [r, g, b, face.corners.len() as f32],
         ]);
         texels.extend(face.corners.iter().map(|&corner| near(corner, 0.0)));
-        texels.extend(face.nodes.iter().map(|&(node, area)| near(node, area)));
     }
     let (used, limit) = (texels.len(), width as usize * largest as usize);
     if used > limit {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use relume::basis::{Order, PolygonHarmonics, index};
+use relume::basis::{Order, PolygonHarmonics, gauss_legendre, index};
 use relume::light::emitter::ExactParts;
 
 use crate::pipelines::RELIGHT;
@@ -16,10 +16,20 @@ pub fn source(order: Order, channels: usize) -> String {
     let response = if channels == 1 { "f32" } else { "vec3f" };
     // The loops of by_edge reach two degrees less.
     let solids = place(n.saturating_sub(2), 0).max(1);
+    let gauss = gauss_legendre(ExactParts::points(order));
+    let of = |number: fn(&(f64, f64)) -> f64| {
+        let numbers = gauss
+            .iter()
+            .map(|node| format!("{:?}f", number(node) as f32));
+        numbers.collect::<Vec<_>>().join(", ")
+    };
     format!(
         "{RELIGHT}\n{NEAR}\n\
         // Written by near_source: harmonics of order {n}. R_l^m and the steps are those of relume::basis::PolygonHarmonics.\n\
         const SMALL = {small:?};\n\
+        // Of Gauss points on 0…1.\n\
+        const NODES = vec4f({nodes});\n\
+        const WEIGHTS = vec4f({weights});\n\
         // To a light of one channel.\n\
         alias Response = {response};\n\
         // R_l^m at l(l+1)/2 + m.\n\
@@ -27,6 +37,8 @@ pub fn source(order: Order, channels: usize) -> String {
         // The side's transfer, times the factors from R_l^m to the basis.\n\
         var<private> vector: array<Response, {count}>;\n\
         {MULTIPLY}{load}{solid}{toward}{edge}",
+        nodes = of(|&(x, _)| 0.5 + 0.5 * x),
+        weights = of(|&(_, w)| 0.5 * w),
         small = ExactParts::SMALL,
         count = order.count(),
         load = load_vector(order, channels),

@@ -8,8 +8,8 @@ override REST: bool;
 // Where each side stands, at the texel of its radiance; relative to the scene's middle, as all here.
 @group(2) @binding(0) var positions: texture_2d<f32>;
 @group(2) @binding(1) var rest: texture_2d<f32>;
-// One row after another: (number of faces, log2 of the row's texels, 0, 0); of each face (normal, radius), (centre, 1 where both sides shine), (radiance, 0), (corners, points, 0, 0),
-// then its corners, then points on it, with the areas that they stand for.
+// One row after another: (number of faces, log2 of the row's texels, 0, 0); of each face (normal, radius), (centre, 1 where both sides shine), (radiance, number of
+// corners), then its corners.
 @group(2) @binding(2) var faces: texture_2d<f32>;
 
 var<private> faces_log2: u32;
@@ -69,21 +69,37 @@ fn by_edges(first: u32, corners: u32, at: vec3f) -> Response {
     return sum + vector[0] * solid_angle;
 }
 
-// Sums over the face's points of height/r³.
-fn by_points(first: u32, points: u32, at: vec3f, height: f32) -> Response {
+// Sums over the face's points of height/r³: the nodes of relume::light::emitter::PlainFace, on a quadrangle at once, or on the triangles of a fan.
+fn by_points(first: u32, corners: u32, at: vec3f, height: f32) -> Response {
+    let a = face_texel(first).xyz - at;
+    let is_quad = corners == 4u;
     var sum = Response();
-    for (var k = 0u; k < points; k++) {
-        let point = face_texel(first + k);
-        let apart = point.xyz - at;
-        let inverse = 1.0 / sqrt(max(dot(apart, apart), 1e-30));
-        let weight = point.w * height * inverse * inverse * inverse;
-        sum += weight * toward(apart * inverse);
+    for (var k = 0u; k < select(corners - 2u, 1u, is_quad); k++) {
+        let b = face_texel(first + k + 1u).xyz - at;
+        let c = face_texel(first + k + 2u).xyz - at;
+        // A triangle is a quadrangle that ends where it began.
+        var d = a;
+        if is_quad {
+            d = face_texel(first + 3u).xyz - at;
+        }
+        for (var i = 0u; i < 4u; i++) {
+            let low = a + (b - a) * NODES[i];
+            let up = d + (c - d) * NODES[i] - low;
+            for (var j = 0u; j < 4u; j++) {
+                let apart = low + up * NODES[j];
+                let along = (b - a) + ((c - d) - (b - a)) * NODES[j];
+                let across = cross(along, up);
+                let area = WEIGHTS[i] * WEIGHTS[j] * sqrt(dot(across, across));
+                let inverse = 1.0 / sqrt(max(dot(apart, apart), 1e-30));
+                sum += (area * height * inverse * inverse * inverse) * toward(apart * inverse);
+            }
+        }
     }
     return sum;
 }
 
 // What the side makes of a face of radiance 1.
-fn by_face(first: u32, at: vec3f, counts: vec2u) -> Response {
+fn by_face(first: u32, at: vec3f, corners: u32) -> Response {
     let normal = face_texel(first);
     let centre = face_texel(first + 1u);
     let apart = centre.xyz - at;
@@ -96,10 +112,10 @@ fn by_face(first: u32, at: vec3f, counts: vec2u) -> Response {
         return Response();
     }
     if normal.w * normal.w <= SMALL * SMALL * square {
-        return by_points(first + 4u + counts.x, counts.y, at, abs(height));
+        return by_points(first + 3u, corners, at, abs(height));
     }
     // Seen from behind, edges run clockwise.
-    return sign(height) * by_edges(first + 4u, counts.x, at);
+    return sign(height) * by_edges(first + 3u, corners, at);
 }
 
 fn near(place: vec2u) -> vec3f {
@@ -110,9 +126,10 @@ fn near(place: vec2u) -> vec3f {
     var first = 1u;
     var sum = vec3f();
     for (var i = 0u; i < header.x; i++) {
-        let counts = vec2u(face_texel(first + 3u).xy);
-        sum += face_texel(first + 2u).xyz * by_face(first, at, counts);
-        first += 4u + counts.x + counts.y;
+        let radiance = face_texel(first + 2u);
+        let corners = u32(radiance.w);
+        sum += radiance.xyz * by_face(first, at, corners);
+        first += 3u + corners;
     }
     if REST {
         sum += vertices_sum(place, rest);

@@ -377,13 +377,13 @@ fn more_faces_than_fit_are_refused(_: &Gpu) {
         let mesh = Shape::Mesh(EmitterMesh::blocks(count, 10, 4.0, 4.0, 0.8));
         placed(vec![emitter(mesh, [1.0; 3], [0.0, 3.0, 0.0], down)])
     };
-    // 64 · 64 texels, 24 for each face.
-    renderer.stage_emitters(Some(&blocks(17))).unwrap();
+    // 64 · 64 texels, 7 for each face.
+    renderer.stage_emitters(Some(&blocks(58))).unwrap();
     assert_eq!(
-        renderer.stage_emitters(Some(&blocks(18))),
+        renderer.stage_emitters(Some(&blocks(59))),
         Err(GpuError::Emitters {
-            faces: 180,
-            texels: 4321,
+            faces: 590,
+            texels: 4131,
             limit: 4096
         })
     );

@@ -14,8 +14,6 @@ use crate::simd::Level;
 
 /// Vertices that a thread takes at a time; a multiple of every vector's width.
 const BLOCK: usize = 256;
-/// Gauss points along each side of a face that is seen small.
-const POINTS: usize = 4;
 
 /// A flat convex face of one radiance that nothing hides.
 #[derive(Clone, Debug)]
@@ -58,6 +56,11 @@ impl<'a> ExactParts<'a> {
     /// Plain faces whose radius is less than this share of their distance are summed by their points: integrals along edges cancel too much in f32.
     pub const SMALL: f32 = 0.3;
 
+    /// Gauss points along each side of such a face ([`PlainFace::nodes`]) for light of `order`: as many as leave 1e-5.
+    pub fn points(order: Order) -> usize {
+        if order.get() <= 6 { 4 } else { 6 }
+    }
+
     /// The parts of `placed` for vertices at `positions`, of light of `order`.
     pub fn new(positions: &[Vec3], placed: &'a Placed, order: Order) -> Self {
         let ball = Ball::around(positions.iter().map(|p| p.as_dvec3()));
@@ -72,7 +75,7 @@ impl<'a> ExactParts<'a> {
         let shining = shining.filter(|(sphere, whole)| **whole && !sphere.is_black());
         Self {
             faces: plain
-                .filter_map(|(polygon, _)| face(placed, polygon))
+                .filter_map(|(polygon, _)| face(placed, polygon, Self::points(order)))
                 .collect(),
             spheres: shining.map(|(sphere, _)| *sphere).collect(),
             placed,
@@ -209,13 +212,13 @@ fn is_whole(placed: &Placed, index: usize, positions: &[Vec3], ball: &Ball) -> b
 }
 
 /// What a kernel takes of a polygon; `None` of a black one.
-fn face(placed: &Placed, polygon: &PlacedPolygon) -> Option<PlainFace> {
+fn face(placed: &Placed, polygon: &PlacedPolygon, points: usize) -> Option<PlainFace> {
     let Shine::Uniform(radiance) = polygon.shine else {
         return None;
     };
     let corners = placed.corners(polygon).to_vec();
     (radiance != [0.0; 3]).then(|| PlainFace {
-        nodes: nodes(&corners),
+        nodes: nodes(&corners, points),
         normal: polygon.normal,
         centre: polygon.centre,
         radius: polygon.radius,
@@ -225,9 +228,9 @@ fn face(placed: &Placed, polygon: &PlacedPolygon) -> Option<PlainFace> {
     })
 }
 
-/// Points on a flat convex polygon, and the area that each stands for: on the triangles of a fan, or on a quadrangle at once.
-fn nodes(corners: &[DVec3]) -> Vec<(DVec3, f64)> {
-    let gauss: Vec<(f64, f64)> = gauss_legendre(POINTS)
+/// Points on a flat convex polygon, so many along a side, and the area that each stands for: on the triangles of a fan, or on a quadrangle at once.
+fn nodes(corners: &[DVec3], points: usize) -> Vec<(DVec3, f64)> {
+    let gauss: Vec<(f64, f64)> = gauss_legendre(points)
         .iter()
         .map(|&(x, w)| (0.5 + 0.5 * x, 0.5 * w))
         .collect();

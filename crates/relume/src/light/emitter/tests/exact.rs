@@ -119,6 +119,29 @@ fn balls_agree_with_the_plain_closed_form_at_every_order() {
     );
 }
 
+/// Just small enough to be summed by points.
+#[test]
+fn faces_seen_small_agree_with_the_plain_closed_form_at_every_order() {
+    let panel = |z, turn| {
+        let panel = uniform(EmitterMesh::quad(2.0, 2.0), [1.0, 2.0, 3.0]);
+        at(panel, [0.0, 0.0, z], DQuat::from_rotation_z(turn))
+    };
+    for (z, turn) in [(-4.75, 0.0), (-5.0, 0.8), (-6.5, 0.3)] {
+        let placed = all(vec![panel(z, turn)]);
+        let here = [
+            Vec3::ZERO,
+            Vec3::new(0.0, 0.0, 0.2),
+            Vec3::new(0.1, -0.1, 0.0),
+        ];
+        for n in 1..=10 {
+            let found = light_at_vertices(&here, &placed, order(n));
+            let expected = light_at(&here, &placed, &ClosedForm::new(order(n)));
+            let error = apart(&found, &expected);
+            assert!(error < 1e-5, "order {n} from {z}: {error:e}");
+        }
+    }
+}
+
 #[test]
 fn every_instruction_set_gives_the_same_bits() {
     let positions = positions();
