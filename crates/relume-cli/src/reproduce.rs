@@ -224,8 +224,9 @@ impl Measured<'_> {
             timed(|| LightSamples::at(points, &self.subject.form, self.placed));
         let hierarchy = &self.subject.hierarchy;
         for b in [1, 2, 4] {
-            let (light, looped) = timed(|| global_weights(&samples, positions, b.into()));
-            let (_, blocked) = timed(|| global_weights_blocked(&samples, hierarchy, positions, b));
+            let (light, looped) = timed_again(|| global_weights(&samples, positions, b.into()));
+            let (_, blocked) =
+                timed_again(|| global_weights_blocked(&samples, hierarchy, positions, b));
             let rmse = self.rmse(&light);
             let name = format!("LBG, b = {b}, loop");
             print_row(&name, samples.len(), None, sampling, looped, rmse);
@@ -271,7 +272,7 @@ impl Measured<'_> {
             timed(|| refine(&subject.hierarchy, &subject.form, self.placed, &options));
         let samples = refined.samples;
         let (light, seconds) =
-            timed(|| reconstruct(&samples, &subject.hierarchy, &subject.world.positions));
+            timed_again(|| reconstruct(&samples, &subject.hierarchy, &subject.world.positions));
         let rmse = self.rmse(&light);
         print_row(
             "paper's method",
@@ -321,7 +322,7 @@ impl Measured<'_> {
             )
         });
         let (light, reconstruction) =
-            timed(|| reconstruct_first_order(&samples, &subject.hierarchy, positions));
+            timed_again(|| reconstruct_first_order(&samples, &subject.hierarchy, positions));
         Found {
             samples: samples.len(),
             epsilon: samples.epsilon,
@@ -344,6 +345,16 @@ impl Measured<'_> {
         let squares: f64 = pairs.map(|(a, b)| f64::from(a - b).powi(2)).sum();
         (squares / (3 * colours.len()) as f64).sqrt() / self.brightest
     }
+}
+
+/// As in frame after frame: the best of five.
+fn timed_again<T>(work: impl Fn() -> T) -> (T, f64) {
+    let first = timed(&work);
+    let best = |best: (T, f64), _| {
+        let next = timed(&work);
+        (next.0, best.1.min(next.1))
+    };
+    (1..5).fold(first, best)
 }
 
 fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {

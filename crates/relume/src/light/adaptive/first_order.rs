@@ -222,9 +222,7 @@ pub fn reconstruct_first_order(
         rows: Rows::new(3 * samples.order.count(), &samples.rows),
         octree: Some(SampleOctree::of(&samples.positions, &samples.radii)),
     };
-    let values = field.at(hierarchy, positions);
-    let (rows, _) = values.as_chunks::<3>();
-    VertexLight::new(samples.order, rows.to_vec())
+    VertexLight::new(samples.order, field.at(hierarchy, positions))
 }
 
 /// ((1 − d)/d)², d the distance as a share of the reach, held to 10⁶ near the sample.

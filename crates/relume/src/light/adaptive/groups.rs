@@ -62,13 +62,13 @@ impl Rows {
 }
 
 impl<F: Falloff> Field<'_, F> {
-    /// The sum at each position by weights that add up to 1, `[positions][width]`. A sample at the position itself decides alone, the first one of several;
+    /// The sum at each position by weights that add up to 1, `[positions][width / 3][3]`. A sample at the position itself decides alone, the first one of several;
     /// where none has a weight, the nearest does. 0 without samples. The same bytes for any number of threads and every instruction set.
-    pub fn at(&self, hierarchy: &VertexHierarchy, positions: &[Vec3]) -> Vec<f32> {
+    pub fn at(&self, hierarchy: &VertexHierarchy, positions: &[Vec3]) -> Vec<[f32; 3]> {
         let (order, width) = (hierarchy.order(), self.rows.width);
         let mut sums = vec![0.0_f32; positions.len() * width];
         if self.centres.is_empty() {
-            return sums;
+            return vec![[0.0; 3]; sums.len() / 3];
         }
         let level = Level::best();
         parallel::chunks(&mut sums, BLOCK * GROUP * width, |block, sums| {
@@ -88,13 +88,13 @@ impl<F: Falloff> Field<'_, F> {
 }
 
 /// Rows in the order of the vertices, from rows in the order of clusters.
-fn scattered(rows: &[f32], order: &[u32], width: usize) -> Vec<f32> {
+fn scattered(rows: &[f32], order: &[u32], width: usize) -> Vec<[f32; 3]> {
     let mut place = vec![0_u32; order.len()];
     for (i, &vertex) in order.iter().enumerate() {
         place[vertex as usize] = i as u32;
     }
-    let mut out = vec![0.0; rows.len()];
-    parallel::chunks(&mut out, 1024 * width, |block, out| {
+    let mut out = vec![[0.0; 3]; rows.len() / 3];
+    parallel::chunks(out.as_flattened_mut(), 1024 * width, |block, out| {
         let places = &place[block * 1024..];
         for (row, &from) in out.chunks_exact_mut(width).zip(places) {
             row.copy_from_slice(&rows[from as usize * width..][..width]);

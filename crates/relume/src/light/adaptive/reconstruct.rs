@@ -29,7 +29,7 @@ pub fn reconstruct(
         rows: Rows::new(samples.width(), &samples.coefficients),
         octree: bounded.then(|| SampleOctree::new(samples)),
     };
-    light(samples, &field.at(hierarchy, positions))
+    VertexLight::new(samples.order, field.at(hierarchy, positions))
 }
 
 /// Light at each position: the mean of all samples by 1/distanceᵇ, one vertex after the other, as in the loop that [sun2005, (2.13)] compares with.
@@ -67,12 +67,7 @@ pub fn global_weights_blocked(
         rows: Rows::new(samples.width(), &samples.coefficients),
         octree: None,
     };
-    light(samples, &field.at(hierarchy, positions))
-}
-
-fn light(samples: &LightSamples, values: &[f32]) -> VertexLight {
-    let (rows, _) = values.as_chunks::<3>();
-    VertexLight::new(samples.order, rows.to_vec())
+    VertexLight::new(samples.order, field.at(hierarchy, positions))
 }
 
 /// 1/distance within the reach.
