@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-use relume::light::emitter::{Placed, PlacedPolygon, PlacedSphere};
+use relume::light::emitter::{Pattern, Placed, PlacedPolygon, PlacedSphere};
 use wgpu::{Buffer, BufferUsages, Device, PrimitiveTopology, RenderPass, RenderPipeline};
 
 use crate::GpuError;
@@ -92,10 +92,12 @@ fn add_polygon(placed: &Placed, polygon: &PlacedPolygon, corners: &mut Vec<LampV
         radiance: placed.radiance_toward(polygon, point, polygon.normal),
         shine: [polygon.exponent as f32, f32::from(polygon.two_sided)],
     };
+    let emitter = &placed.emitters()[polygon.emitter];
+    let is_image = matches!(emitter.pattern, Pattern::Texture { .. });
     let places = placed.corners(polygon);
     for pair in places[1..].windows(2) {
         let [a, b, c] = [places[0], pair[0], pair[1]];
-        let parts = if polygon.is_uniform() { 1 } else { IMAGE };
+        let parts = if is_image { IMAGE } else { 1 };
         let grid =
             |i: usize, j: usize| a + ((b - a) * i as f64 + (c - a) * j as f64) / parts as f64;
         for i in 0..parts {

@@ -80,3 +80,26 @@ pub fn save_picture(viewer: &Viewer) {
         }
     });
 }
+
+/// Saves the lamps as an emitters.json.
+pub fn save_emitters(viewer: &Viewer) {
+    let teller = viewer.jobs.teller();
+    let text = match viewer.near.to_json() {
+        Ok(text) => text,
+        Err(error) => return teller.tell(Event::Failed(error)),
+    };
+    #[cfg(not(target_arch = "wasm32"))]
+    save(&viewer.jobs, "emitters.json".to_owned(), move |path| {
+        use std::io::Write;
+        relume::files::write_atomically(path, |writer| writer.write_all(text.as_bytes())).map_err(
+            |error| {
+                let shown = relume::files::printable(&path.to_string_lossy());
+                format!("{shown}: {error}")
+            },
+        )
+    });
+    #[cfg(target_arch = "wasm32")]
+    if let Err(error) = crate::web::download("emitters.json", text.as_bytes()) {
+        teller.tell(Event::Failed(error));
+    }
+}

@@ -31,12 +31,14 @@ mod relight;
 mod screenshot;
 mod source;
 mod stage;
+mod start;
 mod timer;
 #[cfg(target_arch = "wasm32")]
 mod web;
 
-pub use app::{FIRST_LIGHT, Start, Viewer};
+pub use app::Viewer;
 pub use source::Source;
+pub use start::{FIRST_LIGHT, Start};
 
 use std::sync::Arc;
 

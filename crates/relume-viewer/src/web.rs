@@ -8,9 +8,10 @@ use relume::files::printable;
 use serde_json::json;
 use wasm_bindgen_futures::{JsFuture, spawn_local};
 
-use crate::app::{Start, Viewer};
+use crate::app::Viewer;
 use crate::jobs::{Event, Teller};
 use crate::source::{MAX_BYTES, Source};
+use crate::start::Start;
 
 thread_local! {
     /// What [`state`] tells, as of the last frame.

@@ -151,6 +151,14 @@ impl Near {
         self.lamps.is_empty()
     }
 
+    /// As an emitters.json.
+    ///
+    /// # Errors
+    /// A texture, in words.
+    pub fn to_json(&self) -> Result<String, String> {
+        relume::light::emitter::to_json(&self.emitters).map_err(|error| error.to_string())
+    }
+
     /// Where they stand.
     pub fn placed(&self) -> &Placed {
         &self.placed

@@ -40,6 +40,10 @@ fn choose(viewer: &mut Viewer, ui: &mut egui::Ui) {
         crate::files::pick(&viewer.jobs);
     }
     let there = !viewer.near.is_empty();
+    let save = ui.add_enabled(there, egui::Button::new("Save…"));
+    if save.on_hover_text("as an emitters.json").clicked() {
+        crate::files::save_emitters(viewer);
+    }
     let see = ui.add_enabled(there, egui::Button::new("See all"));
     if see
         .on_hover_text("step back until all lamps are in view")

@@ -97,18 +97,30 @@ pub fn refine_first_order(
     placed: &Placed,
     options: &RefineOptions,
 ) -> FirstOrderSamples {
+    let cut = chosen(hierarchy, positions, responses, form, placed, options);
+    let nodes = hierarchy.nodes();
+    let rows = parallel::map(cut.weights.len(), |i| {
+        row(form, placed, nodes[cut.weights[i].0].position)
+    });
+    cut.samples(hierarchy, form.order(), rows)
+}
+
+/// The clusters that are sampled.
+fn chosen(
+    hierarchy: &VertexHierarchy,
+    positions: &[Vec3],
+    responses: &Responses,
+    form: &ClosedForm,
+    placed: &Placed,
+    options: &RefineOptions,
+) -> Cut {
     let oracle = Oracle {
         hierarchy,
         positions,
         responses,
         lumps: Lumps::new(placed, form.order()),
     };
-    let cut = oracle.cut(options);
-    let nodes = hierarchy.nodes();
-    let rows = parallel::map(cut.weights.len(), |i| {
-        row(form, placed, nodes[cut.weights[i].0].position)
-    });
-    cut.samples(hierarchy, form.order(), rows)
+    oracle.cut(options)
 }
 
 /// Coefficients at a point, and their derivatives along x, y and z: `[4][order²][3]`.
@@ -162,13 +174,7 @@ impl FirstOrderSession {
         placed: &Placed,
         options: &RefineOptions,
     ) -> FirstOrderSamples {
-        let oracle = Oracle {
-            hierarchy,
-            positions,
-            responses,
-            lumps: Lumps::new(placed, form.order()),
-        };
-        let cut = oracle.cut(options);
+        let cut = chosen(hierarchy, positions, responses, form, placed, options);
         let ball = Ball::around(positions.iter().map(|p| p.as_dvec3()));
         if self.restless.next(placed, &ball) == Change::Others {
             self.resting.clear();

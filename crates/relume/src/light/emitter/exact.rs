@@ -92,15 +92,33 @@ impl<'a> ExactParts<'a> {
 
     /// Light of all but the plain faces at each position, spheres too; `None` where that is none.
     pub fn rest(&self, positions: &[Vec3]) -> Option<VertexLight> {
-        let (order, count) = (self.form.order(), self.form.order().count());
-        let left_out = |part: Part| matches!(part, Part::Polygon(i) if self.is_plain[i]);
-        self.has_more_than(&left_out).then(|| {
-            let mut coefficients = vec![[0.0; 3]; positions.len() * count];
-            parallel::chunks(&mut coefficients, BLOCK * count, |block, rows| {
-                self.add(&left_out, &positions[block * BLOCK..], rows);
+        let shines = self.has_hidden() || !self.spheres.is_empty();
+        shines.then(|| self.sum(Level::best(), positions, &[]))
+    }
+
+    /// Some faces and the whole spheres on vectors, and what may be hidden, has a pattern or an exponent by the plain closed form.
+    fn sum(&self, level: Level, positions: &[Vec3], faces: &[PlainFace]) -> VertexLight {
+        let order = self.form.order();
+        let count = order.count();
+        let harmonics = PolygonHarmonics::new(order);
+        let scales: Vec<f32> = harmonics.scales().iter().map(|&x| x as f32).collect();
+        let has_hidden = self.has_hidden();
+        let mut coefficients = vec![[0.0_f32; 3]; positions.len() * count];
+        parallel::chunks(&mut coefficients, BLOCK * count, |block, rows| {
+            let here = &positions[block * BLOCK..][..rows.len() / count];
+            level.run(Faces {
+                order,
+                scales: &scales,
+                faces,
+                spheres: &self.spheres,
+                positions: here,
+                rows: rows.as_flattened_mut(),
             });
-            VertexLight::new(order, coefficients)
-        })
+            if has_hidden {
+                self.add_hidden(here, rows);
+            }
+        });
+        VertexLight::new(order, coefficients)
     }
 
     /// Of each sphere, whether it is seen whole, and from outside, from everywhere.
@@ -109,29 +127,29 @@ impl<'a> ExactParts<'a> {
         self.is_whole.clone()
     }
 
-    /// What the vectors of the CPU take.
-    fn is_taken(&self, part: Part) -> bool {
+    /// Whether it is summed on vectors.
+    fn is_seen(&self, part: Part) -> bool {
         match part {
             Part::Polygon(i) => self.is_plain[i],
             Part::Sphere(i) => self.is_whole[i],
         }
     }
 
-    /// Whether anything shines that is not left out.
-    fn has_more_than(&self, left_out: &dyn Fn(Part) -> bool) -> bool {
-        let shines = |i: &usize| !self.placed.polygons[*i].is_black();
-        let mut polygons = (0..self.placed.polygons.len()).filter(shines);
-        let shines = |i: &usize| !self.placed.spheres[*i].is_black();
-        let mut spheres = (0..self.placed.spheres.len()).filter(shines);
-        polygons.any(|i| !left_out(Part::Polygon(i))) || spheres.any(|i| !left_out(Part::Sphere(i)))
+    /// Whether anything else shines.
+    fn has_hidden(&self) -> bool {
+        let mut polygons = self.placed.polygons.iter().zip(&self.is_plain);
+        let mut spheres = self.placed.spheres.iter().zip(&self.is_whole);
+        polygons.any(|(polygon, plain)| !plain && !polygon.is_black())
+            || spheres.any(|(sphere, whole)| !whole && !sphere.is_black())
     }
 
-    /// Adds what is not left out to the coefficients of the first positions.
-    fn add(&self, left_out: &dyn Fn(Part) -> bool, positions: &[Vec3], rows: &mut [[f32; 3]]) {
+    /// Adds that to the coefficients of the positions.
+    fn add_hidden(&self, positions: &[Vec3], rows: &mut [[f32; 3]]) {
         let rows = rows.chunks_exact_mut(self.form.order().count());
         for (position, row) in positions.iter().zip(rows) {
             let at = position.as_dvec3();
-            let incident = self.form.sample_without(self.placed, at, left_out);
+            let is_seen = |part| self.is_seen(part);
+            let incident = self.form.sample_without(self.placed, at, &is_seen);
             for (place, value) in row.iter_mut().zip(&incident.coefficients) {
                 *place = std::array::from_fn(|c| place[c] + value[c] as f32);
             }
@@ -154,28 +172,8 @@ pub(super) fn light_with(
     placed: &Placed,
     order: Order,
 ) -> VertexLight {
-    let count = order.count();
     let parts = ExactParts::new(positions, placed, order);
-    let harmonics = PolygonHarmonics::new(order);
-    let scales: Vec<f32> = harmonics.scales().iter().map(|&x| x as f32).collect();
-    let is_taken = |part: Part| parts.is_taken(part);
-    let has_more = parts.has_more_than(&is_taken);
-    let mut coefficients = vec![[0.0_f32; 3]; positions.len() * count];
-    parallel::chunks(&mut coefficients, BLOCK * count, |block, rows| {
-        let here = &positions[block * BLOCK..][..rows.len() / count];
-        level.run(Faces {
-            order,
-            scales: &scales,
-            faces: parts.faces(),
-            spheres: &parts.spheres,
-            positions: here,
-            rows: rows.as_flattened_mut(),
-        });
-        if has_more {
-            parts.add(&is_taken, here, rows);
-        }
-    });
-    VertexLight::new(order, coefficients)
+    parts.sum(level, positions, parts.faces())
 }
 
 /// Whether a polygon is of one radiance, diffuse, and seen whole from everywhere in the ball.

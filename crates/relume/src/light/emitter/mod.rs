@@ -35,7 +35,7 @@ pub use closed_form::ClosedForm;
 pub use cube_map::CubeMap;
 pub use error::EmitterError;
 pub use exact::{ExactParts, PlainFace, light_at_vertices};
-pub use file::{EmitterFileError, EntryError, from_json, load};
+pub use file::{EmitterFileError, EntryError, from_json, load, to_json};
 pub(in crate::light) use occluders::Ball;
 pub use placed::{EmitterHit, Placed, PlacedPolygon, PlacedSphere};
 pub use sample::{Incident, LightGradient, Sampler, light_at};

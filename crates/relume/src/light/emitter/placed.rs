@@ -175,11 +175,6 @@ impl Placed {
         &self.spheres
     }
 
-    /// The emitters, in the order given.
-    pub(super) fn sources(&self) -> &[Emitter] {
-        &self.sources
-    }
-
     /// The same, but that emitters of these numbers are black: they hide what is behind them all the same.
     pub(super) fn with_black(&self, is_black: impl Fn(usize) -> bool) -> Self {
         let mut placed = self.clone();
@@ -306,11 +301,6 @@ impl Placed {
 }
 
 impl PlacedPolygon {
-    /// Whether its radiance is the same all over.
-    pub fn is_uniform(&self) -> bool {
-        matches!(self.shine, Shine::Uniform(_))
-    }
-
     /// Whether it only blocks. What has a pattern is never said to.
     pub fn is_black(&self) -> bool {
         matches!(self.shine, Shine::Uniform(radiance) if radiance == [0.0; 3])

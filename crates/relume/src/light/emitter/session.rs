@@ -35,14 +35,14 @@ pub(in crate::light) enum Change {
 impl Restless {
     /// Takes the next frame, for points in a ball.
     pub(in crate::light) fn next(&mut self, placed: &Placed, ball: &Ball) -> Change {
-        let count = placed.sources().len();
+        let count = placed.emitters().len();
         let last = self.last.replace(placed.clone());
-        let Some(last) = last.filter(|last| last.sources().len() == count) else {
+        let Some(last) = last.filter(|last| last.emitters().len() == count) else {
             self.still = vec![RESTLESS; count];
             self.is_restless = vec![false; count];
             return Change::Others;
         };
-        let pairs = placed.sources().iter().zip(last.sources());
+        let pairs = placed.emitters().iter().zip(last.emitters());
         let moved: Vec<bool> = pairs.map(|(now, before)| !is_same(now, before)).collect();
         if !moved.contains(&true) {
             self.still.iter_mut().for_each(|n| *n = n.saturating_add(1));

@@ -44,6 +44,15 @@ pub enum EmitterFileError {
         "its format knows no radiance; name the file as the \"mesh\" of an emitter in an emitters.json"
     )]
     NoRadiance,
+    /// An image, which an emitters.json only names.
+    #[error(
+        "emitter \"{}\" has a texture, which is not written: take it out, or give it radiance by face or corner",
+        printable(name)
+    )]
+    Textured {
+        /// Its name.
+        name: String,
+    },
     /// Not JSON at all.
     #[error("not valid JSON (which knows no NaN or Infinity): {0}")]
     Syntax(String),

@@ -3,7 +3,7 @@
 //! ```text
 //! emitters.json ──fields──▶ shape, radiance, pose ──▶ Emitter ─┐
 //!                           (meshes and images beside it)      ├─▶ Emitters
-//! .glb, .gltf ─────────────scene::gltf::emission──▶ Emitter ───┘
+//! .glb, .gltf ─────────────scene::gltf::emission──▶ Emitter ───┘ ──write──▶ emitters.json
 //! ```
 
 mod error;
@@ -15,6 +15,7 @@ mod radiance;
 mod shape;
 #[cfg(test)]
 mod tests;
+mod write;
 
 use std::path::Path;
 
@@ -24,6 +25,7 @@ use super::{Emitter, Emitters, error::check};
 use crate::files::{Unread, printable, read_regular};
 
 pub use error::{EmitterFileError, EntryError};
+pub use write::to_json;
 
 use fields::Fields;
 use nearby::Nearby;

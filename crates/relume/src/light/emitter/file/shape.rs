@@ -51,8 +51,13 @@ pub(super) fn shape(fields: &Fields<'_>, nearby: &mut Nearby) -> Result<Shaped, 
             Shape::Mesh(EmitterMesh::cuboid(DVec3::from_array(size)))
         }
         "blocks" => Shape::Mesh(blocks(fields, nearby)?),
+        _ if fields.value(key).is_some_and(Value::is_object) => {
+            Shape::Mesh(corners(fields, nearby)?)
+        }
         _ => {
-            let name = fields.text(key, "the name of an .obj, .ply, .glb or .gltf")?;
+            let accepted =
+                "the name of an .obj, .ply, .glb or .gltf, or {\"positions\", \"faces\"}";
+            let name = fields.text(key, accepted)?;
             let wants_uvs = fields.value("texture").is_some();
             Shape::Mesh(nearby.mesh(name.unwrap_or_default(), wants_uvs)?)
         }
@@ -113,4 +118,30 @@ fn blocks(fields: &Fields<'_>, nearby: &mut Nearby) -> Result<EmitterMesh, Entry
     // Both are far below 2³², or there would have been too many corners.
     let (columns, rows) = (columns as u32, rows as u32);
     Ok(EmitterMesh::blocks(columns, rows, width, height, fill))
+}
+
+/// A mesh whose corners and faces are given; what they say is checked with the emitter.
+fn corners(fields: &Fields<'_>, nearby: &mut Nearby) -> Result<EmitterMesh, EntryError> {
+    let accepted = "{\"positions\": [[x, y, z], …], \"faces\": [[i, j, k, …], …]}, positions in metres, faces of whole numbers from 0";
+    let read = fields.read("mesh", accepted, |value| {
+        let map = value.as_object()?;
+        let known = ["positions", "faces"];
+        if !map.keys().all(|key| known.contains(&key.as_str())) {
+            return None;
+        }
+        let list = |key| map.get(key).and_then(Value::as_array);
+        let position = |row| numbers(row).map(DVec3::from_array);
+        let positions: Option<Vec<DVec3>> = list("positions")?.iter().map(position).collect();
+        let index = |value: &Value| value.as_u64().and_then(|i| u32::try_from(i).ok());
+        let face = |row: &Value| row.as_array()?.iter().map(index).collect();
+        let faces: Option<Vec<Vec<u32>>> = list("faces")?.iter().map(face).collect();
+        Some(EmitterMesh {
+            positions: positions?,
+            uvs: Vec::new(),
+            faces: faces?,
+        })
+    })?;
+    let mesh = read.unwrap_or_default();
+    nearby.count(mesh.faces.iter().map(|face| face.len() as u64).sum())?;
+    Ok(mesh)
 }

@@ -5,6 +5,7 @@ mod entries;
 mod gltf;
 mod poses;
 mod refusals;
+mod write;
 
 use std::path::Path;
 
