@@ -317,6 +317,7 @@ pub struct InfoArgs {
 Examples:
   relume view baked.glb
   relume view baked.glb --light studio.hdr
+  relume view baked.glb --emitters lamps.json      lights that stand near, to move and colour
   relume view model.obj                            a model is baked first, in the background
   relume view baked.glb -- --size 1920x1080        what follows -- is for the viewer; relume-viewer --help lists it
 
@@ -327,6 +328,9 @@ pub struct ViewArgs {
     /// The light, as for `render`
     #[arg(long, value_name = "ENV")]
     pub light: Option<std::ffi::OsString>,
+    /// Lights that stand near, as for `render`
+    #[arg(long, value_name = "FILE")]
+    pub emitters: Option<PathBuf>,
     /// For the viewer
     #[arg(last = true, hide = true)]
     pub rest: Vec<std::ffi::OsString>,

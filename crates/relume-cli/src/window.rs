@@ -18,10 +18,19 @@ pub fn run(args: &ViewArgs) -> Result<(), Failure> {
             shown(missing)
         )));
     }
+    if let Some(missing) = args.emitters.iter().find(|file| !file.exists()) {
+        return Err(Failure::new(format!(
+            "{}: no such file; name an emitters.json, or a .glb or .gltf that shines",
+            shown(missing)
+        )));
+    }
     let mut viewer = Command::new(program());
     viewer.args(&args.files);
     if let Some(light) = &args.light {
         viewer.arg("--light").arg(light);
+    }
+    if let Some(emitters) = &args.emitters {
+        viewer.arg("--emitters").arg(emitters);
     }
     let status = viewer
         .args(&args.rest)

@@ -38,7 +38,7 @@ mod web;
 
 pub use app::Viewer;
 pub use source::Source;
-pub use start::{FIRST_LIGHT, Start};
+pub use start::{NO_LIGHT, Start};
 
 use std::sync::Arc;
 

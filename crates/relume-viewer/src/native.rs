@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use eframe::egui;
-use relume_viewer::{FIRST_LIGHT, Source, Start, Viewer};
+use relume_viewer::{NO_LIGHT, Source, Start, Viewer};
 
 /// Look at a baked scene in live light: turn the sky, swap the light, fly around
 #[derive(Parser)]
@@ -24,9 +24,9 @@ Examples:
 struct Args {
     /// A baked .glb, a model (.gltf, .glb, .obj, .ply) or a light; nothing opens an empty window
     files: Vec<PathBuf>,
-    /// The light: a file, or sky:ELEVATION,TURBIDITY, sun:X,Y,Z,DEG,R,G,B, constant:R,G,B
-    #[arg(long, value_name = "ENV", default_value = FIRST_LIGHT)]
-    light: String,
+    /// The light: a file, or sky:ELEVATION,TURBIDITY, sun:X,Y,Z,DEG,R,G,B, constant:R,G,B [default: sky:30,3, or none beside --emitters]
+    #[arg(long, value_name = "ENV")]
+    light: Option<String>,
     /// Lights that stand near: an emitters.json, or a .glb or .gltf, of which what is emissive shines
     #[arg(long, value_name = "FILE")]
     emitters: Option<PathBuf>,
@@ -69,9 +69,12 @@ pub fn run() -> ExitCode {
         wgpu_options: relume_viewer::graphics(),
         ..eframe::NativeOptions::default()
     };
+    let lamps_alone = args.emitters.is_some();
     let start = Start {
         files: args.files.into_iter().map(Source::Path).collect(),
-        light: Some(args.light),
+        light: args
+            .light
+            .or_else(|| lamps_alone.then(|| NO_LIGHT.to_owned())),
         emitters: args.emitters,
         turn: args.turn,
         exposure: args.exposure,

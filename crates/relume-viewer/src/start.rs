@@ -43,4 +43,7 @@ impl Default for Start {
 }
 
 /// The light until one is chosen.
-pub const FIRST_LIGHT: &str = "sky:30,3";
+pub(crate) const FIRST_LIGHT: &str = "sky:30,3";
+
+/// Distant light where lamps shine alone.
+pub const NO_LIGHT: &str = "constant:0,0,0";

@@ -11,7 +11,7 @@ use wasm_bindgen_futures::{JsFuture, spawn_local};
 use crate::app::Viewer;
 use crate::jobs::{Event, Teller};
 use crate::source::{MAX_BYTES, Source};
-use crate::start::Start;
+use crate::start::{NO_LIGHT, Start};
 
 thread_local! {
     /// What [`state`] tells, as of the last frame.
@@ -111,10 +111,13 @@ impl Address {
         };
         let light = query.get("light");
         files.extend(light.iter().filter(|light| !made(light)).cloned());
+        let lamps = query.has("emitters") && !query.has("light");
         files.extend(query.get("emitters"));
         Ok(Self {
             start: Start {
-                light: light.filter(made),
+                light: light
+                    .filter(made)
+                    .or_else(|| lamps.then(|| NO_LIGHT.to_owned())),
                 turn: number("turn")
                     .filter(|turn| turn.is_finite())
                     .unwrap_or(0.0),
