@@ -82,7 +82,7 @@ impl Content {
     pub fn transfer(&mut self, paths: Paths) -> Option<&Transfer> {
         match paths {
             Paths::Baked => Some(&self.asset.transfer),
-            Paths::Shadowed if !matches!(self.bounces(), Some(1..)) => Some(&self.asset.transfer),
+            Paths::Shadowed if !self.has_folded_bounces() => Some(&self.asset.transfer),
             Paths::Shadowed => self.shadowed.as_ref(),
             Paths::Unshadowed => {
                 if self.unshadowed.is_none() {
@@ -93,9 +93,19 @@ impl Content {
         }
     }
 
+    /// Whether its surfaces have transfer matrices.
+    pub fn is_glossy(&self) -> bool {
+        self.asset.transfer.matrices.is_some()
+    }
+
+    /// Whether what was baked holds interreflections.
+    pub fn has_folded_bounces(&self) -> bool {
+        matches!(self.bounces(), Some(1..))
+    }
+
     /// Whether there is transfer of direct light, as near light needs it.
     pub fn has_direct(&self) -> bool {
-        self.shadowed.is_some() || !matches!(self.bounces(), Some(1..))
+        self.shadowed.is_some() || !self.has_folded_bounces()
     }
 
     /// The transfer of direct light; without shadows as long as there is none with them.

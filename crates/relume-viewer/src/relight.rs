@@ -1,5 +1,7 @@
 //! From what shines to what the device shows: once for every change of the light.
 
+use std::fmt::Display;
+
 use relume::light::{IncidentLight, ShLight};
 use relume::shade::SideRadiance;
 use relume_gpu::{GpuError, Surface};
@@ -43,16 +45,16 @@ impl Viewer {
         self.report.on_device = !alone && self.may_light_on_device();
         let lit = if alone || self.report.on_device {
             self.lit = None;
-            self.on_device(light)
+            self.on_device(light).map_err(text)
         } else {
             self.with_lamps(&light)
         };
         let seen = self.near.shows_lamps && !self.near.is_empty();
         let lamps = seen.then(|| self.near.placed());
         let shown = self.stage.show_emitters(lamps);
-        match lit.and(shown) {
+        match lit.and(shown.map_err(text)) {
             Ok(()) => self.frames.relights += 1,
-            Err(error) => self.messages.error(error.to_string()),
+            Err(error) => self.messages.error(error),
         }
         if std::mem::take(&mut self.exposure_due) {
             self.auto_exposure();
@@ -73,7 +75,7 @@ impl Viewer {
         };
         let bounces = self.near.bounces > 0 && content.asset.transfer.gather.is_some();
         let whole = match self.paths {
-            Paths::Baked => !bounces && !matches!(content.bounces(), Some(1..)),
+            Paths::Baked => !bounces && !content.has_folded_bounces(),
             Paths::Shadowed | Paths::Unshadowed => true,
         };
         whole && self.near.method == Method::Device
@@ -91,52 +93,37 @@ impl Viewer {
         !self.near.is_empty() || (bounces && self.content.as_ref().is_some_and(gathers))
     }
 
-    fn with_lamps(&mut self, distant: &ShLight) -> Result<(), GpuError> {
-        self.stage.light_emitters(None)?;
+    /// Shaded on this side of the device; the error against exact light where that is shown.
+    fn with_lamps(&mut self, distant: &ShLight) -> Result<(), String> {
+        self.stage.light_emitters(None).map_err(text)?;
         self.want_direct_light();
+        let gain = self.near.error.filter(|_| self.shows_error());
         let Some(content) = &mut self.content else {
-            return Err(GpuError::NoScene);
+            return Ok(());
         };
         let arriving = self
             .arriving
             .get_or_insert_with(|| Arriving::new(&content.world, &content.asset.transfer));
         let arrived = arriving.arrive(&self.near, &content.world);
-        (self.report.domains, self.report.seconds) = (arrived.domains, arrived.seconds);
-        self.report.rmse = None;
         let near = (!self.near.is_empty()).then_some(&arrived.light);
-        let mut shade = |distant: &ShLight, near| {
-            near::shade(content, self.paths, distant, near, self.near.bounces)
+        let (paths, bounces) = (self.paths, self.near.bounces);
+        let sides = near::shade(content, paths, distant, near, bounces).map_err(text)?;
+        self.report = Report {
+            domains: arrived.domains,
+            seconds: arrived.seconds,
+            ..Report::default()
         };
-        let sides = match shade(distant, near) {
-            Ok(sides) => sides,
-            Err(error) => {
-                self.messages.standing("near", Some(error.to_string()));
-                SideRadiance::default()
-            }
-        };
-        if let Some(gain) = self
-            .near
-            .error
-            .filter(|_| self.near.method != Method::Exact)
-        {
+        if let Some(gain) = gain {
             let exact = arriving.exact(&self.near);
-            let exact = near::shade(
-                content,
-                self.paths,
-                distant,
-                Some(&exact),
-                self.near.bounces,
-            );
-            if let Ok(exact) = exact {
-                let (difference, rmse) = near::error(&sides, &exact, gain);
-                self.report.rmse = Some(rmse);
-                self.lit = Some(sides);
-                return self.stage.set_radiance(&difference);
-            }
+            let exact = near::shade(content, paths, distant, Some(&exact), bounces);
+            let (difference, rmse) = near::error(&sides, &exact.map_err(text)?, gain);
+            self.report.rmse = Some(rmse);
+            self.lit = Some(sides);
+            return self.stage.set_radiance(&difference).map_err(text);
         }
-        let glossy = content.asset.transfer.matrices.is_some() && self.paths != Paths::Unshadowed;
+        let glossy = content.is_glossy() && paths != Paths::Unshadowed;
         // Folded bounces would take near light for distant.
-        let folded = self.paths == Paths::Baked && matches!(content.bounces(), Some(1..));
+        let folded = paths == Paths::Baked && content.has_folded_bounces();
         let set = match near {
             Some(near) if glossy && !folded => {
                 let light = IncidentLight::PerVertex(near.plus(distant));
@@ -148,44 +135,32 @@ impl Viewer {
             _ => self.stage.set_radiance(&sides),
         };
         self.lit = Some(sides);
-        set
+        set.map_err(text)
     }
 
     /// Sees that there is direct transfer for near light, where bounces were folded in.
     fn want_direct_light(&mut self) {
-        let folded = self
-            .content
-            .as_ref()
-            .is_some_and(|content| !content.has_direct() && !self.near.is_empty());
-        let glossy = self
-            .content
-            .as_ref()
-            .is_some_and(|c| c.asset.transfer.matrices.is_some());
-        let hidden = glossy && self.paths == Paths::Baked && !self.near.is_empty();
-        let note = match (folded, cfg!(target_arch = "wasm32")) {
-            (false, _)
-                if hidden && self.content.as_ref().is_some_and(|c| c.bounces() > Some(0)) =>
-            {
-                Some(
-                    "near light does not reach glossy surfaces by bounces; choose \"shadowed\" to see it",
-                )
-            }
-            (false, _) => None,
+        let Some(content) = self.content.as_ref().filter(|_| !self.near.is_empty()) else {
+            return self.messages.standing("near", None);
+        };
+        let (waits, glossy) = (!content.has_direct(), content.is_glossy());
+        let hidden = glossy && self.paths == Paths::Baked && content.has_folded_bounces();
+        let note = match (waits, cfg!(target_arch = "wasm32")) {
             (true, true) => Some(
                 "near light is without shadows: the scene was baked with bounces alone; bake it with --bounces 0 --gather",
             ),
             (true, false) => {
                 Some("near light is without shadows until its direct transfer is baked")
             }
+            (false, _) if hidden => Some(
+                "near light does not reach glossy surfaces by bounces; choose \"shadowed\" to see it",
+            ),
+            (false, _) => None,
         };
         self.messages.standing("near", note.map(str::to_owned));
         #[cfg(not(target_arch = "wasm32"))]
-        if folded && !self.direct_asked {
+        if waits && !self.direct_asked {
             self.direct_asked = true;
-            let glossy = self
-                .content
-                .as_ref()
-                .is_some_and(|c| c.asset.transfer.matrices.is_some());
             // Glossy surfaces have one transfer for all light.
             self.shadowed_wanted |= glossy;
             self.bake_direct();
@@ -211,4 +186,9 @@ impl Viewer {
             None => crate::exposure::suitable(content, &distant),
         };
     }
+}
+
+/// What an error says.
+fn text(error: impl Display) -> String {
+    error.to_string()
 }

@@ -1,6 +1,6 @@
 //! What a diffuse scene makes of distant and near light together.
 
-use relume::asset::TransferKind;
+use relume::asset::{Transfer, TransferKind};
 use relume::light::{IncidentLight, ShLight, VertexLight};
 use relume::shade::{BounceError, SideRadiance, bounced};
 
@@ -12,7 +12,7 @@ use crate::content::{Content, Paths};
 /// operator, `bounces` times, if it has one. Where none was folded, all light bounces so.
 ///
 /// # Errors
-/// A transfer without a gather operator never gets here with bounces; none is expected.
+/// Bounces that the transfer cannot make; it is never asked for such.
 pub fn shade(
     content: &mut Content,
     paths: Paths,
@@ -25,26 +25,24 @@ pub fn shade(
         return Ok(SideRadiance::default());
     };
     let folded = matches!(shown.kind, TransferKind::Shadowed { bounces: 1.. });
-    let may_bounce = |gather: bool| {
-        if gather && paths == Paths::Baked {
-            bounces
-        } else {
-            0
-        }
+    let possible = |transfer: &Transfer| {
+        let gathers = transfer.gather.is_some() && transfer.matrices.is_none();
+        let asked = if paths == Paths::Baked { bounces } else { 0 };
+        if gathers { asked } else { 0 }
     };
     if !folded {
         let light = match near {
             Some(near) => IncidentLight::PerVertex(near.plus(distant)),
             None => far,
         };
-        return bounced(shown, &light, may_bounce(shown.gather.is_some()));
+        return bounced(shown, &light, possible(shown));
     }
     let mut sides = bounced(shown, &far, 0)?;
     let Some((near, direct)) = near.zip(content.direct()) else {
         return Ok(sides);
     };
     let light = IncidentLight::PerVertex(near.clone());
-    let added = bounced(direct, &light, may_bounce(direct.gather.is_some()))?;
+    let added = bounced(direct, &light, possible(direct))?;
     add(&mut sides.front, &added.front);
     add(&mut sides.back, &added.back);
     Ok(sides)
