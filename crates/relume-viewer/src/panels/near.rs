@@ -12,6 +12,10 @@ pub fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
     ui.horizontal_wrapped(|ui| choose(viewer, ui));
     if viewer.near.is_empty() {
         ui.weak("None. Add one, or drop an emitters.json.");
+        let content = viewer.content.as_ref();
+        if content.is_some_and(|content| content.asset.transfer.gather.is_some()) {
+            viewer.light_changed |= ui.horizontal(|ui| bounces(&mut viewer.near, ui)).inner;
+        }
         return;
     }
     list(&mut viewer.near, ui);
@@ -182,7 +186,9 @@ fn sampling(near: &mut Near, ui: &mut egui::Ui) -> bool {
             ui.label("ε");
             let epsilon = egui::Slider::new(&mut options.epsilon, 1e-6..=100.0).logarithmic(true);
             let epsilon = ui.add(epsilon.custom_formatter(|x, _| format!("{x:.1e}")));
-            changed |= epsilon.on_hover_text("clusters whose error is below it are not cut").changed();
+            changed |= epsilon
+                .on_hover_text("clusters whose error is below it are not cut")
+                .changed();
             ui.end_row();
             ui.label("Budget");
             let budget = egui::Slider::new(&mut options.budget, 1..=8192).logarithmic(true);
@@ -194,7 +200,10 @@ fn sampling(near: &mut Near, ui: &mut egui::Ui) -> bool {
                 ui.toggle_value(&mut near.shows_domains, "domains");
                 let mut error = near.error.is_some();
                 let shown = ui.toggle_value(&mut error, "error");
-                if shown.on_hover_text("warm: too bright, cold: too dark").changed() {
+                if shown
+                    .on_hover_text("warm: too bright, cold: too dark")
+                    .changed()
+                {
                     near.error = error.then_some(10.0);
                     changed = true;
                 }
@@ -207,14 +216,19 @@ fn sampling(near: &mut Near, ui: &mut egui::Ui) -> bool {
                 ui.end_row();
             }
         }
-        ui.label("Bounces");
-        let bounces = ui.add(egui::Slider::new(&mut near.bounces, 0..=8));
-        changed |= bounces
-            .on_hover_text("of all light, where the scene was baked with --bounces 0 --gather; else of near light")
-            .changed();
+        changed |= bounces(near, ui);
         ui.end_row();
     });
     changed
+}
+
+/// How often light bounces on; whether that was changed.
+fn bounces(near: &mut Near, ui: &mut egui::Ui) -> bool {
+    ui.label("Bounces");
+    let bounces = ui.add(egui::Slider::new(&mut near.bounces, 0..=8));
+    let what =
+        "of all light, where the scene was baked with --bounces 0 --gather; else of near light";
+    bounces.on_hover_text(what).changed()
 }
 
 fn report(viewer: &Viewer, ui: &mut egui::Ui) {
