@@ -1,33 +1,76 @@
 //! Handles that move, turn and scale a lamp in the picture.
 
-use eframe::egui;
-use glam::{DAffine3, DMat3, DQuat, DVec3};
-use transform_gizmo::config::TransformPivotPoint;
-use transform_gizmo::math::{DMat4, Transform};
-use transform_gizmo::{
-    EnumSet, GizmoConfig, GizmoInteraction, GizmoMode, GizmoOrientation, Rect, enum_set,
-};
+use eframe::egui::{self, Color32, Pos2, Stroke, Vec2};
+use glam::{DAffine3, DMat3, DVec3};
 
 use crate::near::Tool;
 use crate::projection::Projection;
 
+/// How long handles are in the picture, points.
+const LENGTH: f32 = 70.0;
+/// How far beside a handle it may be taken, points.
+const REACH: f32 = 8.0;
+/// Radius of the handle in the middle, points.
+const MIDDLE: f32 = 10.0;
+/// Corners of a ring.
+const RING: usize = 48;
+/// Of x, y and z.
+const COLOURS: [Color32; 3] = [
+    Color32::from_rgb(235, 70, 80),
+    Color32::from_rgb(110, 200, 70),
+    Color32::from_rgb(70, 130, 240),
+];
+/// Of the handle under the pointer.
+const TAKEN: Color32 = Color32::from_rgb(255, 225, 90);
+
 /// The handles of one lamp.
 #[derive(Default)]
 pub struct Gizmo {
-    handles: transform_gizmo::Gizmo,
+    under: Option<Handle>,
+    drag: Option<Drag>,
 }
 
 /// What the pointer does over the picture.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pointer {
     /// Where it is, points of the window.
-    pub at: egui::Pos2,
+    pub at: Pos2,
     /// Whether it is over the picture.
     pub hovers: bool,
     /// Whether the button went down in this frame.
     pub pressed: bool,
     /// Whether it is down.
     pub down: bool,
+}
+
+/// A handle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Handle {
+    /// Along an axis of the world.
+    Axis(usize),
+    /// Across the picture.
+    Across,
+    /// About an axis of the lamp.
+    Ring(usize),
+    /// Larger and smaller.
+    Size,
+}
+
+/// A handle that was taken: where, and how the lamp stood.
+#[derive(Clone, Copy, Debug)]
+struct Drag {
+    handle: Handle,
+    from: Pos2,
+    pose: DAffine3,
+}
+
+/// A lamp's handles as they are seen.
+struct Handles<'a> {
+    pose: &'a DAffine3,
+    projection: &'a Projection,
+    middle: Pos2,
+    /// Metres that are as long as [`LENGTH`] at the lamp.
+    length: f64,
 }
 
 impl Gizmo {
@@ -38,101 +81,224 @@ impl Gizmo {
         tool: Tool,
         projection: &Projection,
         pointer: Pointer,
-        pixels_per_point: f32,
     ) -> Option<DAffine3> {
-        self.handles.update_config(GizmoConfig {
-            pixels_per_point,
-            ..config(tool, projection)
-        });
-        let interaction = GizmoInteraction {
-            cursor_pos: (pointer.at.x, pointer.at.y),
-            hovered: pointer.hovers,
-            drag_started: pointer.pressed,
-            dragging: pointer.down,
-        };
-        let (_, moved) = self.handles.update(interaction, &[transform(pose)])?;
-        moved.first().map(pose_of)
+        if let Some(drag) = self.drag.filter(|_| pointer.down) {
+            return drag.pose(pointer.at, projection);
+        }
+        self.drag = None;
+        let handles = Handles::new(pose, projection);
+        let handles = handles.filter(|_| pointer.hovers);
+        self.under = handles.and_then(|handles| handles.under(tool, pointer.at));
+        if pointer.pressed {
+            self.drag = self.under.map(|handle| Drag {
+                handle,
+                from: pointer.at,
+                pose: *pose,
+            });
+        }
+        None
     }
 
     /// Whether a handle is under the pointer, or dragged.
     pub fn is_held(&self) -> bool {
-        self.handles.is_focused()
+        self.under.is_some()
     }
 
     /// Draws the handles.
-    pub fn paint(&self, painter: &egui::Painter) {
-        let drawn = self.handles.draw();
-        let vertices = drawn.vertices.iter().zip(&drawn.colors);
-        let vertex = |(place, color): (&[f32; 2], &[f32; 4])| egui::epaint::Vertex {
-            pos: (*place).into(),
-            uv: egui::epaint::WHITE_UV,
-            color: egui::Rgba::from_rgba_premultiplied(color[0], color[1], color[2], color[3])
-                .into(),
+    pub fn paint(
+        &self,
+        painter: &egui::Painter,
+        pose: &DAffine3,
+        tool: Tool,
+        projection: &Projection,
+    ) {
+        let Some(handles) = Handles::new(pose, projection) else {
+            return;
         };
-        painter.add(egui::Mesh {
-            indices: drawn.indices,
-            vertices: vertices.map(vertex).collect(),
-            ..egui::Mesh::default()
-        });
+        for &handle in all(tool) {
+            let colour = match handle {
+                _ if self.under == Some(handle) => TAKEN,
+                Handle::Axis(axis) | Handle::Ring(axis) => COLOURS[axis],
+                Handle::Across | Handle::Size => Color32::from_gray(230),
+            };
+            handles.paint(painter, handle, Stroke::new(3.0, colour));
+        }
     }
 }
 
-fn modes(tool: Tool) -> EnumSet<GizmoMode> {
+/// The first one under the pointer is taken.
+fn all(tool: Tool) -> &'static [Handle] {
     match tool {
-        Tool::Move => GizmoMode::all_translate(),
-        Tool::Turn => GizmoMode::all_rotate(),
-        Tool::Scale => enum_set!(GizmoMode::ScaleUniform),
+        Tool::Move => &[
+            Handle::Across,
+            Handle::Axis(0),
+            Handle::Axis(1),
+            Handle::Axis(2),
+        ],
+        Tool::Turn => &[Handle::Ring(0), Handle::Ring(1), Handle::Ring(2)],
+        Tool::Scale => &[Handle::Size],
     }
 }
 
-fn config(tool: Tool, projection: &Projection) -> GizmoConfig {
-    let Projection { rect, eye, frame } = projection;
-    let vector = |v: DVec3| transform_gizmo::math::DVec3::new(v.x, v.y, v.z);
-    let aspect = f64::from(rect.width() / rect.height());
-    let fov = 2.0 * frame.half_height.atan();
-    let view = DMat4::look_to_rh(vector(*eye), vector(frame.forward), vector(frame.up));
-    // Handles are drawn over everything, so near and far need only be around them.
-    let projection = DMat4::perspective_rh_gl(fov, aspect, 1e-3, 1e6);
-    let corner = |p: egui::Pos2| transform_gizmo::math::Pos2::new(p.x, p.y);
-    GizmoConfig {
-        view_matrix: view.into(),
-        projection_matrix: projection.into(),
-        viewport: Rect::from_min_max(corner(rect.min), corner(rect.max)),
-        modes: modes(tool),
-        orientation: match tool {
-            Tool::Move => GizmoOrientation::Global,
-            Tool::Turn | Tool::Scale => GizmoOrientation::Local,
-        },
-        pivot_point: TransformPivotPoint::IndividualOrigins,
-        ..GizmoConfig::default()
+impl<'a> Handles<'a> {
+    /// `None` of a lamp behind the eye.
+    fn new(pose: &'a DAffine3, projection: &'a Projection) -> Option<Self> {
+        let at = pose.translation;
+        Some(Self {
+            pose,
+            projection,
+            middle: projection.screen(at)?,
+            length: projection.metres(at) * f64::from(LENGTH),
+        })
+    }
+
+    fn under(&self, tool: Tool, pointer: Pos2) -> Option<Handle> {
+        let is_under = |handle: &&Handle| {
+            let reach = match handle {
+                Handle::Across => return (pointer - self.middle).length() < MIDDLE,
+                Handle::Size => 2.0 * REACH,
+                Handle::Axis(_) | Handle::Ring(_) => REACH,
+            };
+            self.line(**handle)
+                .windows(2)
+                .any(|ends| beside(ends[0], ends[1], pointer) < reach)
+        };
+        all(tool).iter().find(is_under).copied()
+    }
+
+    /// What is seen of a handle, end by end.
+    fn line(&self, handle: Handle) -> Vec<Pos2> {
+        let centre = self.pose.translation;
+        let seen = |point: DVec3| self.projection.screen(point);
+        match handle {
+            Handle::Across => Vec::new(),
+            Handle::Axis(axis) => {
+                let along = DVec3::AXES[axis] * self.length;
+                let ends = [0.2, 1.0].map(|share| seen(centre + along * share));
+                ends.into_iter().flatten().collect()
+            }
+            Handle::Size => {
+                let corner = self.middle + Vec2::new(0.6, -0.6) * LENGTH;
+                vec![corner, corner]
+            }
+            Handle::Ring(axis) => {
+                let [u, v] = around(self.axis(axis)).map(|side| side * self.length);
+                let toward_eye = (self.projection.eye - centre).normalize_or(DVec3::Z);
+                let corner = |i: usize| {
+                    let angle = std::f64::consts::TAU * i as f64 / RING as f64;
+                    u * angle.cos() + v * angle.sin()
+                };
+                // The half that faces the eye, begun where it begins.
+                let faces = |i: usize| corner(i).dot(toward_eye) > -0.05 * self.length;
+                let first = (0..RING).find(|&i| faces(i) && !faces(i + RING - 1));
+                let first = first.unwrap_or(0);
+                let corners = (first..=first + RING).take_while(|&i| faces(i));
+                corners.filter_map(|i| seen(centre + corner(i))).collect()
+            }
+        }
+    }
+
+    /// An axis of the lamp.
+    fn axis(&self, axis: usize) -> DVec3 {
+        self.pose.matrix3.col(axis).normalize_or(DVec3::AXES[axis])
+    }
+
+    fn paint(&self, painter: &egui::Painter, handle: Handle, stroke: Stroke) {
+        let line = self.line(handle);
+        match (handle, line.last()) {
+            (Handle::Across, _) => {
+                painter.circle_stroke(self.middle, MIDDLE, stroke);
+            }
+            (Handle::Size, Some(&end)) => {
+                let square = egui::Rect::from_center_size(end, Vec2::splat(REACH * 2.0));
+                painter.line_segment([self.middle, end], Stroke::new(1.0, stroke.color));
+                painter.rect_filled(square, 2.0, stroke.color);
+            }
+            (Handle::Axis(_), Some(&end)) => {
+                painter.add(egui::Shape::line(line, stroke));
+                painter.circle_filled(end, 5.0, stroke.color);
+            }
+            _ => {
+                painter.add(egui::Shape::line(line, stroke));
+            }
+        }
     }
 }
 
-fn transform(pose: &DAffine3) -> Transform {
-    let (scale, rotation, at) = pose.to_scale_rotation_translation();
-    let vector = |v: DVec3| transform_gizmo::math::DVec3::new(v.x, v.y, v.z);
-    let rotation =
-        transform_gizmo::math::DQuat::from_xyzw(rotation.x, rotation.y, rotation.z, rotation.w);
-    Transform::from_scale_rotation_translation(vector(scale), rotation, vector(at))
+impl Drag {
+    /// The lamp's pose with the pointer here.
+    fn pose(&self, to: Pos2, projection: &Projection) -> Option<DAffine3> {
+        let handles = Handles::new(&self.pose, projection)?;
+        let (centre, moved) = (self.pose.translation, to - self.from);
+        let mut pose = self.pose;
+        match self.handle {
+            Handle::Across => {
+                let frame = &projection.frame;
+                let step = frame.right * f64::from(moved.x) - frame.up * f64::from(moved.y);
+                pose.translation += step * projection.metres(centre);
+            }
+            Handle::Axis(axis) => {
+                let along = DVec3::AXES[axis];
+                let at =
+                    |place| closest(centre, along, projection.eye, projection.direction(place));
+                pose.translation += along * (at(to)? - at(self.from)?);
+            }
+            Handle::Ring(axis) => {
+                let angle = handles.angle(axis, self.from, moved)?;
+                let turn = DMat3::from_axis_angle(handles.axis(axis), angle);
+                pose.matrix3 = turn * self.pose.matrix3;
+            }
+            Handle::Size => {
+                let before = (self.from - handles.middle).length().max(1.0);
+                let factor = (to - handles.middle).length() / before;
+                pose.matrix3 *= f64::from(factor.clamp(0.02, 50.0));
+            }
+        }
+        Some(pose)
+    }
 }
 
-/// A similarity: what is scaled is scaled alike along all axes.
-fn pose_of(moved: &Transform) -> DAffine3 {
-    let rotation = moved.rotation;
-    let rotation = DQuat::from_xyzw(rotation.v.x, rotation.v.y, rotation.v.z, rotation.s);
-    let scale = (moved.scale.x * moved.scale.y * moved.scale.z).abs().cbrt();
-    let at = moved.translation;
-    DAffine3 {
-        matrix3: DMat3::from_quat(rotation.normalize()) * scale.max(1e-6),
-        translation: DVec3::new(at.x, at.y, at.z),
+impl Handles<'_> {
+    /// How far a ring turns when its place at `from` is dragged: as far as that place goes along the ring.
+    fn angle(&self, axis: usize, from: Pos2, moved: Vec2) -> Option<f64> {
+        let line = self.line(Handle::Ring(axis));
+        let nearest = line.windows(2).min_by(|a, b| {
+            let [a, b] = [a, b].map(|ends| beside(ends[0], ends[1], from));
+            a.total_cmp(&b)
+        })?;
+        let along = nearest[1] - nearest[0];
+        let turns = moved.dot(along) / along.length_sq().max(1e-3);
+        Some(f64::from(turns) * std::f64::consts::TAU / RING as f64)
     }
+}
+
+/// Two unit vectors at right angles to an axis, right-handed with it.
+fn around(axis: DVec3) -> [DVec3; 2] {
+    let u = axis.any_orthonormal_vector();
+    [u, axis.cross(u)]
+}
+
+/// How far a place is from a stretch.
+fn beside(start: Pos2, end: Pos2, place: Pos2) -> f32 {
+    let along = end - start;
+    let share = (place - start).dot(along) / along.length_sq().max(1e-6);
+    (place - (start + along * share.clamp(0.0, 1.0))).length()
+}
+
+/// How far along a line through `centre` it is closest to a ray; `None` where they are nearly parallel.
+fn closest(centre: DVec3, along: DVec3, eye: DVec3, direction: DVec3) -> Option<f64> {
+    let direction = direction.normalize_or_zero();
+    let (offset, cosine) = (centre - eye, along.dot(direction));
+    let sine_squared = 1.0 - cosine * cosine;
+    let distance = (cosine * direction.dot(offset) - along.dot(offset)) / sine_squared;
+    (sine_squared > 1e-3).then_some(distance)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use eframe::egui::pos2;
-    use glam::Vec3;
+    use glam::{DQuat, Vec3};
     use relume::display::Camera;
 
     fn projection() -> Projection {
@@ -147,7 +313,7 @@ mod tests {
     }
 
     /// Presses at `from`, drags to `to`.
-    fn drag(tool: Tool, pose: DAffine3, from: egui::Pos2, to: egui::Pos2) -> (bool, DAffine3) {
+    fn drag(tool: Tool, pose: DAffine3, from: Pos2, to: Pos2) -> (bool, DAffine3) {
         let (mut gizmo, mut pose) = (Gizmo::default(), pose);
         let projection = projection();
         let step = |at, pressed, down| Pointer {
@@ -156,69 +322,111 @@ mod tests {
             pressed,
             down,
         };
-        let middle = from + (to - from) * 0.5;
         let steps = [
             step(from, false, false),
             step(from, true, true),
-            step(middle, false, true),
+            step(from + (to - from) * 0.5, false, true),
             step(to, false, true),
         ];
         let mut held = false;
         for pointer in steps {
-            let moved = gizmo.update(&pose, tool, &projection, pointer, 1.0);
+            let moved = gizmo.update(&pose, tool, &projection, pointer);
             pose = moved.unwrap_or(pose);
             held |= gizmo.is_held();
         }
+        assert_eq!(
+            gizmo.update(&pose, tool, &projection, step(to, false, false)),
+            None
+        );
         (held, pose)
+    }
+
+    fn pose() -> DAffine3 {
+        DAffine3::from_scale_rotation_translation(
+            DVec3::splat(0.5),
+            DQuat::from_rotation_y(0.3),
+            DVec3::new(0.2, 0.1, 0.0),
+        )
+    }
+
+    /// Scaled alike along all axes.
+    fn is_similar(pose: &DAffine3) -> bool {
+        let scale = pose.matrix3.determinant().cbrt();
+        let product = pose.matrix3 * pose.matrix3.transpose();
+        product.abs_diff_eq(DMat3::IDENTITY * (scale * scale), 1e-9 * scale * scale)
     }
 
     #[test]
     fn a_lamp_is_dragged_along_an_axis_and_across_the_picture() {
-        let pose = DAffine3::from_scale_rotation_translation(
-            DVec3::splat(0.5),
-            DQuat::from_rotation_y(0.3),
-            DVec3::new(0.2, 0.1, 0.0),
-        );
-        let projection = projection();
-        let from = projection.screen(pose.translation).unwrap();
-        // On the handle along x, some way from its middle.
-        let on_handle = from + egui::vec2(45.0, 0.0);
+        let middle = projection().screen(pose().translation).unwrap();
+        let on_handle = middle + egui::vec2(45.0, 0.0);
         let (held, moved) = drag(
             Tool::Move,
-            pose,
+            pose(),
             on_handle,
             on_handle + egui::vec2(90.0, 40.0),
         );
-        assert!(held);
-        let step = moved.translation - pose.translation;
-        assert!(step.x > 0.3 && step.y.abs() + step.z.abs() < 1e-9, "{step}");
-        assert!((moved.matrix3 - pose.matrix3).x_axis.length() < 1e-9);
+        let step = moved.translation - pose().translation;
+        assert!(
+            held && step.x > 0.3 && step.y.abs() + step.z.abs() < 1e-9,
+            "{step}"
+        );
+        assert_eq!(moved.matrix3, pose().matrix3);
+        // What is held in the middle stays under the pointer.
+        let to = middle + egui::vec2(-60.0, 33.0);
+        let (held, moved) = drag(Tool::Move, pose(), middle, to);
+        assert!(held && moved.translation.z.abs() < 1e-9);
+        let seen = projection().screen(moved.translation).unwrap();
+        assert!((seen - to).length() < 1e-2, "{seen}");
         // Nothing is there.
-        let (held, still) = drag(Tool::Move, pose, pos2(10.0, 10.0), pos2(99.0, 99.0));
-        assert!(!held && still == pose);
+        let (held, still) = drag(Tool::Move, pose(), pos2(10.0, 10.0), pos2(99.0, 99.0));
+        assert!(!held && still == pose());
     }
 
     #[test]
-    fn scaled_and_turned_poses_are_similarities() {
-        let pose = DAffine3::from_translation(DVec3::new(0.1, 0.0, 0.0));
-        let from = projection().screen(pose.translation).unwrap();
-        let mut changed = 0;
-        for tool in [Tool::Scale, Tool::Turn] {
-            for radius in 1..110 {
-                let start = from + egui::vec2(radius as f32, 3.0);
-                let (_, moved) = drag(tool, pose, start, start + egui::vec2(12.0, 25.0));
-                changed += usize::from(moved != pose);
-                let m = moved.matrix3;
-                let scale = m.determinant().cbrt();
-                assert!(
-                    (m * m.transpose() - DMat3::IDENTITY * scale * scale)
-                        .x_axis
-                        .length()
-                        < 1e-9
+    fn a_lamp_is_scaled_by_its_corner() {
+        let middle = projection().screen(pose().translation).unwrap();
+        let corner = egui::vec2(0.6, -0.6) * LENGTH;
+        let (held, moved) = drag(Tool::Scale, pose(), middle + corner, middle + corner * 2.0);
+        let scale = moved.matrix3.determinant().cbrt();
+        assert!(
+            held && (scale - 1.0).abs() < 1e-5 && is_similar(&moved),
+            "{scale}"
+        );
+        assert_eq!(moved.translation, pose().translation);
+    }
+
+    #[test]
+    fn a_lamp_is_turned_about_its_own_axes() {
+        let flat = DAffine3::from_translation(DVec3::new(0.1, 0.0, 0.0));
+        let middle = projection().screen(flat.translation).unwrap();
+        // Seen from the front, z's ring is a circle: counter-clockwise along it.
+        let from = middle + egui::vec2(0.0, -LENGTH);
+        let (held, moved) = drag(Tool::Turn, flat, from, from + egui::vec2(-30.0, 0.0));
+        assert!(held && is_similar(&moved));
+        assert!((moved.matrix3.z_axis - DVec3::Z).length() < 1e-9);
+        let angle = moved.matrix3.x_axis.y.atan2(moved.matrix3.x_axis.x);
+        assert!((angle - 30.0 / f64::from(LENGTH)).abs() < 0.02, "{angle}");
+        // Every place of every ring of a slanted lamp turns it, and nothing else.
+        let slanted = DAffine3::from_rotation_translation(
+            DQuat::from_euler(glam::EulerRot::XYZ, 0.5, 0.8, 0.2),
+            flat.translation,
+        );
+        let projection = projection();
+        let handles = Handles::new(&slanted, &projection).unwrap();
+        for axis in 0..3 {
+            let line = handles.line(Handle::Ring(axis));
+            assert!(line.len() > RING / 3, "{}", line.len());
+            for ends in line.windows(2) {
+                let (held, moved) = drag(
+                    Tool::Turn,
+                    slanted,
+                    ends[0],
+                    ends[0] + (ends[1] - ends[0]) * 2.0,
                 );
-                assert!((moved.translation - pose.translation).length() < 1e-9);
+                assert!(held && is_similar(&moved) && moved != slanted);
+                assert_eq!(moved.translation, slanted.translation);
             }
         }
-        assert!(changed > 8, "{changed}");
     }
 }

@@ -25,6 +25,12 @@ impl Projection {
         0.5 * f64::from(self.rect.height())
     }
 
+    /// Metres at a point's depth that are a point of the picture long; 0 behind the eye.
+    pub fn metres(&self, point: DVec3) -> f64 {
+        let depth = (point - self.eye).dot(self.frame.forward);
+        depth.max(0.0) * self.frame.half_height / self.half()
+    }
+
     /// Where a point is seen; `None` behind the eye.
     pub fn screen(&self, point: DVec3) -> Option<Pos2> {
         let offset = point - self.eye;

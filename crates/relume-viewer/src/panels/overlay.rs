@@ -44,10 +44,9 @@ fn drag(
     });
     let mut lamp = viewer.near.lamps()[index].clone();
     let pose = lamp.emitter.world_from_emitter;
-    let scale = ui.ctx().pixels_per_point();
     let moved = viewer
         .gizmo
-        .update(&pose, viewer.near.tool, projection, pointer, scale);
+        .update(&pose, viewer.near.tool, projection, pointer);
     if let Some(moved) = moved.filter(|moved| *moved != pose) {
         lamp.emitter.world_from_emitter = moved;
         let outcome = viewer.near.edit(index, lamp);
@@ -80,8 +79,9 @@ pub fn paint(viewer: &Viewer, ui: &egui::Ui, rect: egui::Rect) {
                 .for_each(|domain| dot(&painter, &projection, domain));
         }
     }
-    if near.selected.is_some() {
-        viewer.gizmo.paint(&painter);
+    if let Some(selected) = near.selected {
+        let pose = &near.lamps()[selected].emitter.world_from_emitter;
+        viewer.gizmo.paint(&painter, pose, near.tool, &projection);
     }
 }
 

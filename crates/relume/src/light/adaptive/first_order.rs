@@ -102,7 +102,7 @@ pub fn refine_first_order(
     let rows = parallel::map(cut.weights.len(), |i| {
         row(form, placed, nodes[cut.weights[i].0].position)
     });
-    cut.samples(hierarchy, form.order(), rows)
+    cut.samples(hierarchy, form.order(), &rows)
 }
 
 /// The clusters that are sampled.
@@ -136,7 +136,7 @@ impl Cut {
         self,
         hierarchy: &VertexHierarchy,
         order: Order,
-        rows: Vec<Vec<f32>>,
+        rows: &[Vec<f32>],
     ) -> FirstOrderSamples {
         let nodes = hierarchy.nodes();
         let smallest = nodes.first().map_or(0.0, |root| 1e-6 * root.radius);
@@ -196,7 +196,7 @@ impl FirstOrderSession {
                 *sum += resting;
             }
         }
-        cut.samples(hierarchy, form.order(), rows)
+        cut.samples(hierarchy, form.order(), &rows)
     }
 }
 

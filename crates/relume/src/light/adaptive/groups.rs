@@ -326,16 +326,15 @@ impl Kernel for Sum<'_> {
 impl Sum<'_> {
     #[inline(always)]
     fn factors(&self, sample: usize, weights: &[f32; GROUP], factors: &mut [[f32; GROUP]]) {
-        for lane in 0..GROUP {
-            factors[0][lane] = weights[lane] * self.scales[lane];
+        let (shares, steps) = factors.split_at_mut(1);
+        for (share, (weight, scale)) in shares[0].iter_mut().zip(weights.iter().zip(self.scales)) {
+            *share = weight * scale;
         }
-        if self.terms == 4 {
-            let centre = (self.steps.centres[sample] - self.steps.origin).as_vec3();
-            for (axis, centre) in centre.to_array().into_iter().enumerate() {
-                for lane in 0..GROUP {
-                    let step = self.steps.at[axis][lane] - centre;
-                    factors[axis + 1][lane] = factors[0][lane] * step;
-                }
+        let centre = (self.steps.centres[sample] - self.steps.origin).as_vec3();
+        let axes = steps.iter_mut().zip(self.steps.at);
+        for ((factors, at), centre) in axes.zip(centre.to_array()) {
+            for (factor, (share, at)) in factors.iter_mut().zip(shares[0].iter().zip(at)) {
+                *factor = share * (at - centre);
             }
         }
     }
