@@ -14,7 +14,9 @@ pub fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
         ui.weak("None. Add one, or drop an emitters.json.");
         let content = viewer.content.as_ref();
         if content.is_some_and(|content| content.asset.transfer.gather.is_some()) {
-            viewer.light_changed |= ui.horizontal(|ui| bounces(&mut viewer.near, ui)).inner;
+            viewer.light_changed |= ui
+                .horizontal(|ui| bounces(&mut viewer.near.bounces, ui))
+                .inner;
         }
         return;
     }
@@ -216,16 +218,16 @@ fn sampling(near: &mut Near, ui: &mut egui::Ui) -> bool {
                 ui.end_row();
             }
         }
-        changed |= bounces(near, ui);
+        changed |= bounces(&mut near.bounces, ui);
         ui.end_row();
     });
     changed
 }
 
 /// How often light bounces on; whether that was changed.
-fn bounces(near: &mut Near, ui: &mut egui::Ui) -> bool {
+fn bounces(count: &mut u32, ui: &mut egui::Ui) -> bool {
     ui.label("Bounces");
-    let bounces = ui.add(egui::Slider::new(&mut near.bounces, 0..=8));
+    let bounces = ui.add(egui::Slider::new(count, 0..=8));
     let what =
         "of all light, where the scene was baked with --bounces 0 --gather; else of near light";
     bounces.on_hover_text(what).changed()
