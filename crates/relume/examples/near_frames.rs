@@ -117,23 +117,28 @@ impl<'a> Object<'a> {
         Ok(())
     }
 
+    /// The smallest ε of a series at which the paper's method takes no more samples of a panel than this.
+    fn epsilon(&self, samples: usize) -> Result<f64, Box<dyn Error>> {
+        let placed = around(1, 0.0)?;
+        let fits = |epsilon: &f64| {
+            let options = RefineOptions {
+                epsilon: *epsilon,
+                budget: samples + 1,
+            };
+            let refined = refine(&self.hierarchy, &self.form, &placed, &options);
+            refined.samples.len() <= samples
+        };
+        let epsilons = (0..200).map(|i| 10.0 * 0.9_f64.powi(i));
+        Ok(epsilons.take_while(fits).last().unwrap_or(10.0))
+    }
+
     /// How far the error of a method's colours moves from one frame to the next, at most at any vertex, as a share of the brightest; about 100 samples.
     fn changes(&self, step: f64) -> Result<(), Box<dyn Error>> {
         let options = |epsilon| RefineOptions {
             epsilon,
             budget: 4096,
         };
-        let first = around(1, 0.0)?;
-        let count = |epsilon: &f64| {
-            refine(&self.hierarchy, &self.form, &first, &options(*epsilon))
-                .samples
-                .len()
-        };
-        let epsilons = (0..200).map(|i| 10.0 * 0.9_f64.powi(i));
-        let epsilon = epsilons
-            .take_while(|e| count(e) <= 100)
-            .last()
-            .unwrap_or(1.0);
+        let epsilon = self.epsilon(100)?;
         let papers = |placed: &Placed| {
             let refined = refine(&self.hierarchy, &self.form, placed, &options(epsilon));
             let light = reconstruct(&refined.samples, &self.hierarchy, self.positions);
