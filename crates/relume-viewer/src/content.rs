@@ -11,6 +11,7 @@ use relume::scene::World;
 use crate::source::{MAX_BYTES, Source};
 
 /// The most vertices whose gather operator is baked beside direct light: it holds what every ray of a vertex hits.
+#[cfg(not(target_arch = "wasm32"))]
 const MOST_GATHERED: usize = 20_000;
 
 /// A baked scene, ready to be drawn.
