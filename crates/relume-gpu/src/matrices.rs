@@ -35,7 +35,7 @@ struct Part {
 }
 
 impl GpuMatrices {
-    /// Uploads the matrices of every side; `None` for a transfer without. `objects_width` is the width of [`GpuLight`]'s texture of objects.
+    /// Uploads the matrices of every side; `None` for a transfer without. `objects_width` is the width of [`crate::light::GpuLight`]'s texture of objects.
     pub fn new(
         gpu: &Gpu,
         layouts: &Relight,

@@ -16,14 +16,14 @@ use crate::bake::{self, triangles};
 use crate::shade::{Light, vectors};
 use crate::{failure, work};
 
-/// Vectors [V, 1, n²], which vertices are valid [V], and vertices [B] and vectors [B, 1, n²] of back sides.
+/// Vectors `[V, 1, n²]`, which vertices are valid `[V]`, and vertices `[B]` and vectors `[B, 1, n²]` of back sides.
 type Direct<'py> = (
     Bound<'py, PyArray3<f32>>,
     Bound<'py, PyArray1<bool>>,
     Bound<'py, PyArray1<u32>>,
     Bound<'py, PyArray3<f32>>,
 );
-/// Starts [V + B + 1], columns [E] and weights [E, C] of the gather operator.
+/// Starts `[V + B + 1]`, columns `[E]` and weights `[E, C]` of the gather operator.
 type Operator<'py> = (
     Bound<'py, PyArray1<i64>>,
     Bound<'py, PyArray1<u32>>,

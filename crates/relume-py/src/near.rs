@@ -24,7 +24,7 @@ use crate::emitters::Emitters;
 use crate::shade::{per_vertex, vectors};
 use crate::{failure, rows, work};
 
-/// Light [V, n², 3], where it was sampled [S, 3], how far each sample counts and how much [S], and the error that was accepted.
+/// Light `[V, n², 3]`, where it was sampled `[S, 3]`, how far each sample counts and how much `[S]`, and the error that was accepted.
 type Sampled<'py> = (
     Bound<'py, PyArray3<f32>>,
     Bound<'py, PyArray2<f64>>,
