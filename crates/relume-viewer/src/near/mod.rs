@@ -164,15 +164,10 @@ impl Near {
         &self.placed
     }
 
-    /// A ball that holds all of them.
-    pub fn bounds(&self) -> Option<(DVec3, f64)> {
+    /// Balls that hold all of them together: middles and radii.
+    pub fn balls(&self) -> impl Iterator<Item = (DVec3, f64)> + '_ {
         let faces = self.placed.polygons().iter().map(|p| (p.centre, p.radius));
-        let balls = faces.chain(self.placed.spheres().iter().map(|s| (s.centre, s.radius)));
-        let centre = balls.clone().map(|(centre, _)| centre).sum::<DVec3>();
-        let count = balls.clone().count();
-        let centre = (count > 0).then(|| centre / count as f64)?;
-        let reach = balls.map(|(at, radius)| at.distance(centre) + radius);
-        Some((centre, reach.fold(0.0, f64::max)))
+        faces.chain(self.placed.spheres().iter().map(|s| (s.centre, s.radius)))
     }
 
     /// One more, which is selected.
@@ -257,8 +252,9 @@ mod tests {
         near.add(Made::Panel.lamp(0.5, from, DVec3::ZERO));
         near.add(Made::Ball.lamp(0.5, from + DVec3::X, DVec3::ZERO));
         assert_eq!((near.lamps().len(), near.selected), (2, Some(1)));
-        let (centre, radius) = near.bounds().unwrap();
-        assert!((centre.x - 0.5).abs() < 1e-9 && radius > 0.5);
+        let balls: Vec<_> = near.balls().collect();
+        assert_eq!(balls.len(), 2);
+        assert!((balls[0].0 - from).length() < 1e-9 && balls[1].1 > 0.1);
         assert_eq!(near.at(DVec3::ZERO, DVec3::Z), Some(0));
         assert_eq!(near.at(DVec3::X, DVec3::Z), Some(1));
         assert_eq!(near.at(DVec3::ZERO, -DVec3::Z), None);

@@ -56,7 +56,7 @@ fn choose(viewer: &mut Viewer, ui: &mut egui::Ui) {
         .clicked()
     {
         let scene = viewer.content.as_ref().map(Content::bounds);
-        let balls: Vec<_> = scene.into_iter().chain(viewer.near.bounds()).collect();
+        let balls: Vec<_> = scene.into_iter().chain(viewer.near.balls()).collect();
         viewer.navigation.see(&balls, viewer.look.aspect);
     }
     let lamps = ui.toggle_value(&mut viewer.near.shows_lamps, "lamps");
