@@ -28,8 +28,9 @@ pub fn source(order: Order, channels: usize) -> String {
         // Written by near_source: harmonics of order {n}. R_l^m and the steps are those of relume::basis::PolygonHarmonics.\n\
         const SMALL = {small:?};\n\
         // Of Gauss points on 0…1.\n\
-        const NODES = vec4f({nodes});\n\
-        const WEIGHTS = vec4f({weights});\n\
+        const POINTS = {points}u;\n\
+        const NODES = array<f32, POINTS>({nodes});\n\
+        const WEIGHTS = array<f32, POINTS>({weights});\n\
         // To a light of one channel.\n\
         alias Response = {response};\n\
         // R_l^m at l(l+1)/2 + m.\n\
@@ -37,6 +38,7 @@ pub fn source(order: Order, channels: usize) -> String {
         // The side's transfer, times the factors from R_l^m to the basis.\n\
         var<private> vector: array<Response, {count}>;\n\
         {MULTIPLY}{load}{solid}{toward}{edge}",
+        points = gauss.len(),
         nodes = of(|&(x, _)| 0.5 + 0.5 * x),
         weights = of(|&(_, w)| 0.5 * w),
         small = ExactParts::SMALL,

@@ -400,9 +400,11 @@ mod tests {
     fn a_lamp_is_turned_about_its_own_axes() {
         let flat = DAffine3::from_translation(DVec3::new(0.1, 0.0, 0.0));
         let middle = projection().screen(flat.translation).unwrap();
-        // Seen from the front, z's ring is a circle: counter-clockwise along it.
-        let from = middle + egui::vec2(0.0, -LENGTH);
-        let (held, moved) = drag(Tool::Turn, flat, from, from + egui::vec2(-30.0, 0.0));
+        // Seen from the front, z's ring is a circle: counter-clockwise along it, from where no other ring crosses it.
+        let diagonal = std::f32::consts::FRAC_1_SQRT_2;
+        let from = middle + egui::vec2(diagonal, -diagonal) * LENGTH;
+        let step = egui::vec2(-diagonal, -diagonal) * 30.0;
+        let (held, moved) = drag(Tool::Turn, flat, from, from + step);
         assert!(held && is_similar(&moved));
         assert!((moved.matrix3.z_axis - DVec3::Z).length() < 1e-9);
         let angle = moved.matrix3.x_axis.y.atan2(moved.matrix3.x_axis.x);

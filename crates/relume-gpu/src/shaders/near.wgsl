@@ -82,10 +82,10 @@ fn by_points(first: u32, corners: u32, at: vec3f, height: f32) -> Response {
         if is_quad {
             d = face_texel(first + 3u).xyz - at;
         }
-        for (var i = 0u; i < 4u; i++) {
+        for (var i = 0u; i < POINTS; i++) {
             let low = a + (b - a) * NODES[i];
             let up = d + (c - d) * NODES[i] - low;
-            for (var j = 0u; j < 4u; j++) {
+            for (var j = 0u; j < POINTS; j++) {
                 let apart = low + up * NODES[j];
                 let along = (b - a) + ((c - d) - (b - a)) * NODES[j];
                 let across = cross(along, up);
