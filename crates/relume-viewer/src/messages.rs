@@ -41,15 +41,24 @@ impl Messages {
         self.add(Weight::Error, text, None);
     }
 
-    /// Shows `text` as long as it is said: the next call about the same takes its place, or takes it away.
+    /// Shows an error as long as it is said: the next call about the same takes its place, or takes it away.
     pub fn standing(&mut self, about: &'static str, text: Option<String>) {
+        self.stand(Weight::Error, about, text);
+    }
+
+    /// Shows a note as [`Self::standing`] does an error.
+    pub fn standing_note(&mut self, about: &'static str, text: Option<String>) {
+        self.stand(Weight::Note, about, text);
+    }
+
+    fn stand(&mut self, weight: Weight, about: &'static str, text: Option<String>) {
         let same = |m: &Message| m.about == Some(about) && Some(&m.text) == text.as_ref();
         if self.shown.iter().any(same) {
             return;
         }
         self.shown.retain(|message| message.about != Some(about));
         if let Some(text) = text {
-            self.add(Weight::Error, text, Some(about));
+            self.add(weight, text, Some(about));
         }
     }
 
@@ -92,6 +101,9 @@ mod tests {
         assert_eq!(messages.shown.len(), 2);
         messages.standing("window", None);
         assert_eq!(messages.shown.len(), 1);
+        messages.standing_note("near", Some("waits".to_owned()));
+        assert_eq!(messages.shown[1].weight, Weight::Note);
+        assert_eq!(messages.first_error(), Some("broken"));
         for i in 0..20 {
             messages.note(i.to_string());
         }

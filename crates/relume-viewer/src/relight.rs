@@ -141,7 +141,7 @@ impl Viewer {
     /// Sees that there is direct transfer for near light, where bounces were folded in.
     fn want_direct_light(&mut self) {
         let Some(content) = self.content.as_ref().filter(|_| !self.near.is_empty()) else {
-            return self.messages.standing("near", None);
+            return self.messages.standing_note("near", None);
         };
         let (waits, glossy) = (!content.has_direct(), content.is_glossy());
         let hidden = glossy && self.paths == Paths::Baked && content.has_folded_bounces();
@@ -157,7 +157,7 @@ impl Viewer {
             ),
             (false, _) => None,
         };
-        self.messages.standing("near", note.map(str::to_owned));
+        self.messages.standing_note("near", note.map(str::to_owned));
         #[cfg(not(target_arch = "wasm32"))]
         if waits && !self.direct_asked {
             self.direct_asked = true;

@@ -1,7 +1,7 @@
 //! How fast light of near panels is found on the device: exactly at every vertex, and through cube maps at points.
 //!
 //! ```text
-//! cargo run --release -p relume-gpu --example near_rate
+//! cargo run --release -p relume-gpu --example near_rate_gpu
 //! ```
 //!
 //! The panels of the library's example of the same name, around a unit sphere. `WGPU_BACKEND` chooses a back end. The best of seven runs, each waited for; nothing of other programs should
