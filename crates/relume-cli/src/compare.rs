@@ -16,7 +16,6 @@ use crate::args::CompareArgs;
 use crate::failure::Failure;
 use crate::inputs::{self, check_extension, check_output, shown};
 use crate::lights::{self, Lights};
-use crate::view::Lit;
 use crate::{json, progress};
 
 pub use picture::ErrorPicture;
@@ -57,10 +56,7 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     let comparison = compared(args, &world, &asset, &lights, &sources, &camera);
     spinner.finish_and_clear();
     let comparison = comparison?;
-    let lit = Lit {
-        light: lights.incident(),
-        bounces: lights.bounces,
-    };
+    let lit = lights.lit();
     let picture = args.picture.as_ref().map(|path| {
         let shot = Shot {
             world: &world,
@@ -114,9 +110,10 @@ fn compared(
             "{name}: every vertex is buried; nothing can be compared"
         ))
     };
-    let light = lights.incident();
+    let lit = lights.lit();
     if lights.placed.is_some() || lights.bounces > 0 {
-        let sides = lights.bounced(&args.asset, asset, &light)?;
+        let sides = lit.shaded(transfer);
+        let sides = sides.map_err(|error| Failure::new(format!("{name}: {error}")))?;
         if transfer.kind == TransferKind::Unshadowed {
             let what = "emitters are compared on assets with shadows; bake it without --no-shadows";
             return Err(Failure::new(format!("{name}: {what}")));
@@ -137,8 +134,12 @@ fn compared(
         return Err(Failure::new(format!("{name}: {what}")));
     }
     let eye = camera.eye.as_dvec3();
-    let comparison = reference::compare_outgoing(world, transfer, &light, sources, eye, &options)
-        .map_err(|error| Failure::new(format!("{name}: {error}")))?;
+    let Some(arriving) = lit.transferred(transfer) else {
+        unreachable!("diffuse assets were compared above");
+    };
+    let comparison =
+        reference::compare_transferred(world, transfer, &arriving, sources, eye, &options)
+            .map_err(|error| Failure::new(format!("{name}: {error}")))?;
     let what = "no vertex but buried ones faces the eye; choose another --eye";
     comparison.ok_or_else(|| Failure::new(format!("{name}: {what}")))
 }

@@ -17,8 +17,9 @@ use crate::args::{DemoArgs, Exposure};
 use crate::bake::bake_with_bar;
 use crate::failure::Failure;
 use crate::inputs::shown;
+use crate::lights::Lit;
 use crate::progress::{self, grouped};
-use crate::view::{Lit, View};
+use crate::view::View;
 
 /// Interreflections of the demo.
 const BOUNCES: u32 = 2;

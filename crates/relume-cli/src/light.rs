@@ -61,6 +61,10 @@ fn near(args: &LightFileArgs, emitters: &Path, path: &Path) -> Result<(), Failur
     let (asset, world) = inputs::open_asset(path)?;
     let order = args.order.unwrap_or(asset.transfer.order);
     let placed = lights::open_emitters(emitters)?;
+    if let Some(split) = lights::enclosed(&world, &placed, &asset) {
+        let what = "for which light.npz cannot say what is in its way; give --emitters to shade, render or view";
+        return Err(lights::within(emitters, &split, what));
+    }
     let (mut light, samples) = match (args.budget, args.epsilon) {
         (None, None) => (lights::at_vertices(&world, &placed, order), None),
         (budget, epsilon) => {

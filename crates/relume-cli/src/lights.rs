@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use relume::asset::{self, Asset};
+use relume::asset::{self, Asset, Transfer, TransferKind};
 use relume::basis::Order;
+use relume::files::printable;
 use relume::light::emitter::{self, Placed};
 use relume::light::{EnvSpec, Environment, IncidentLight, ShLight, VertexLight};
 use relume::scene::World;
-use relume::shade::{self, SideRadiance};
+use relume::shade::{self, BounceError, EnclosedLight, SideRadiance, Split, TransferredRadiance};
 
 use crate::args::{LightArgs, LightChange};
 use crate::failure::Failure;
@@ -24,6 +25,8 @@ pub struct Lights {
     pub near: Option<VertexLight>,
     /// The emitters that near light comes from.
     pub placed: Option<Placed>,
+    /// Direct light of those that reach into the object's hull.
+    pub enclosed: Enclosed,
     /// Interreflections that are added when it is shaded.
     pub bounces: u32,
 }
@@ -43,6 +46,7 @@ impl Lights {
             distant: ShLight::new(order, vec![[0.0; 3]; order.count()]),
             near: None,
             placed: None,
+            enclosed: Enclosed::default(),
             bounces: args.bounces,
         };
         if let Some(path) = args.env.as_ref().and_then(by_vertex) {
@@ -51,15 +55,25 @@ impl Lights {
             lights.open_distant(env, &args.change, order)?;
         }
         if let Some(path) = &args.emitters {
-            let placed = open_emitters(path)?;
-            let exact = at_vertices(world, &placed, order);
-            lights.near = Some(match lights.near {
-                Some(near) => near.plus_vertices(&exact),
-                None => exact,
-            });
-            lights.placed = Some(placed);
+            lights.open_emitters(path, asset, world)?;
         }
         Ok(lights)
+    }
+
+    fn open_emitters(&mut self, path: &Path, asset: &Asset, world: &World) -> Result<(), Failure> {
+        let placed = open_emitters(path)?;
+        let split = enclosed(world, &placed, asset);
+        let outside = split.as_ref().map_or(&placed, |split| &split.outside);
+        let exact = at_vertices(world, outside, asset.transfer.order);
+        self.near = Some(match self.near.take() {
+            Some(near) => near.plus_vertices(&exact),
+            None => exact,
+        });
+        if let Some(split) = split {
+            self.enclosed = Enclosed::new(world, &split, &asset.transfer);
+        }
+        self.placed = Some(placed);
+        Ok(())
     }
 
     fn open_distant(
@@ -74,28 +88,92 @@ impl Lights {
     }
 
     /// All of it, with `distant` for distant light.
-    pub fn with(&self, distant: &ShLight) -> IncidentLight {
-        match &self.near {
+    pub fn with(&self, distant: &ShLight) -> Lit {
+        let light = match &self.near {
             Some(near) => IncidentLight::PerVertex(near.plus(distant)),
             None => IncidentLight::Distant(distant.clone()),
+        };
+        Lit {
+            light,
+            enclosed: self.enclosed.clone(),
+            bounces: self.bounces,
         }
     }
 
     /// All of it.
-    pub fn incident(&self) -> IncidentLight {
+    pub fn lit(&self) -> Lit {
         self.with(&self.distant)
     }
+}
 
-    /// What the asset makes of `light`, bounces and all.
-    pub fn bounced(
-        &self,
-        path: &Path,
-        asset: &Asset,
-        light: &IncidentLight,
-    ) -> Result<SideRadiance, Failure> {
-        shade::bounced(&asset.transfer, light, self.bounces)
-            .map_err(|error| Failure::new(format!("{}: {error}", shown(path))))
+/// Light on an asset, and how often it bounces when it is shaded.
+pub struct Lit {
+    pub light: IncidentLight,
+    pub enclosed: Enclosed,
+    pub bounces: u32,
+}
+
+impl Lit {
+    /// Distant light, as the asset was baked for it.
+    pub fn distant(light: &ShLight) -> Self {
+        Self {
+            light: IncidentLight::Distant(light.clone()),
+            enclosed: Enclosed::default(),
+            bounces: 0,
+        }
     }
+
+    /// What `transfer` makes of it, bounces and all.
+    pub fn shaded(&self, transfer: &Transfer) -> Result<SideRadiance, BounceError> {
+        let enclosed = self.enclosed.direct.as_ref();
+        shade::bounced_with(transfer, &self.light, enclosed, self.bounces)
+    }
+
+    /// What arrives at glossy surfaces; `None` of a diffuse asset.
+    pub fn transferred(&self, transfer: &Transfer) -> Option<TransferredRadiance> {
+        let mut transferred = TransferredRadiance::new(transfer, &self.light)?;
+        if let Some(enclosed) = &self.enclosed.transferred {
+            transferred.add(enclosed);
+        }
+        Some(transferred)
+    }
+}
+
+/// Direct light that transfer does not hold for: that of emitters within the object's hull.
+#[derive(Clone, Default)]
+pub struct Enclosed {
+    direct: Option<SideRadiance>,
+    /// Of a glossy asset.
+    transferred: Option<TransferredRadiance>,
+}
+
+impl Enclosed {
+    fn new(world: &World, split: &Split, transfer: &Transfer) -> Self {
+        let spinner = progress::spinner("light of enclosed lamps");
+        let light = EnclosedLight::new(world);
+        let enclosed = Self {
+            direct: Some(light.direct(&split.inside, transfer)),
+            transferred: light.transferred(&split.inside, transfer),
+        };
+        spinner.finish_and_clear();
+        enclosed
+    }
+}
+
+/// The emitters by where they stand, if some reach into the hull of an asset that casts shadows.
+pub fn enclosed(world: &World, placed: &Placed, asset: &Asset) -> Option<Split> {
+    let shadows = asset.transfer.kind != TransferKind::Unshadowed;
+    shadows.then(|| Split::new(world, placed)).flatten()
+}
+
+/// That an emitter stands where it may not: within the hull of an object `what` it is.
+pub fn within(path: &Path, split: &Split, what: &str) -> Failure {
+    let emitter = &split.inside.emitters()[split.enclosed[0]];
+    let name = printable(&emitter.name);
+    Failure::new(format!(
+        "{}: emitter {name:?} reaches into the convex hull of an object {what}",
+        shown(path)
+    ))
 }
 
 /// A light.npz.

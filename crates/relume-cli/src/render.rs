@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::inputs::{self, check_extension, check_output, shown};
 use crate::lights::{self, Lights};
 use crate::progress;
-use crate::view::{Background, Lit, View};
+use crate::view::{Background, View};
 
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     check_extension(&args.output, &["png", "exr"])?;
@@ -35,10 +35,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         emitters: lights.placed.as_ref(),
     };
     let (start, transfer) = (view.camera, &asset.transfer);
-    let lit = |distant: &ShLight| Lit {
-        light: lights.with(distant),
-        bounces: lights.bounces,
-    };
+    let lit = |distant: &ShLight| lights.with(distant);
     let named = |failure| Failure::new(format!("{}: {failure}", shown(&args.asset)));
     let exposure = view
         .exposure(args.exposure, transfer, &lit(&lights.distant), args.size)

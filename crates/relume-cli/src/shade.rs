@@ -3,14 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use relume::asset::{self, Asset};
-use relume::light::IncidentLight;
 use relume::scene::World;
 use relume::shade::{self, Outgoing, TransferredRadiance};
 
 use crate::args::ShadeArgs;
 use crate::failure::Failure;
 use crate::inputs::{self, check_extension, check_output, shown};
-use crate::lights::{self, Lights};
+use crate::lights::{self, Lights, Lit};
 
 pub fn run(args: &ShadeArgs) -> Result<(), Failure> {
     check_extension(&args.output, &["npz"])?;
@@ -20,9 +19,10 @@ pub fn run(args: &ShadeArgs) -> Result<(), Failure> {
     check_output(&args.output, &inputs)?;
     let (asset, world) = inputs::open_asset(&args.asset)?;
     let lights = Lights::open(&args.light, &asset, &world)?;
-    let light = lights.incident();
-    let sides = lights.bounced(&args.asset, &asset, &light)?;
-    let radiance = match (glossy(&args.asset, &world, &asset, &light)?, args.eye) {
+    let lit = lights.lit();
+    let sides = lit.shaded(&asset.transfer);
+    let sides = sides.map_err(|error| Failure::new(format!("{}: {error}", shown(&args.asset))))?;
+    let radiance = match (glossy(&args.asset, &world, &asset, &lit)?, args.eye) {
         (Some((outgoing, transferred)), Some(eye)) => {
             outgoing.radiance(&asset.transfer, &transferred, eye.as_dvec3())
         }
@@ -50,9 +50,9 @@ fn glossy(
     path: &Path,
     world: &World,
     asset: &Asset,
-    light: &IncidentLight,
+    lit: &Lit,
 ) -> Result<Option<(Outgoing, TransferredRadiance)>, Failure> {
-    let Some(transferred) = TransferredRadiance::new(&asset.transfer, light) else {
+    let Some(transferred) = lit.transferred(&asset.transfer) else {
         return Ok(None);
     };
     let outgoing = Outgoing::new(world, transferred.order)

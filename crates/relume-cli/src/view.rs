@@ -6,12 +6,12 @@ use relume::bake::trace::Tracer;
 use relume::display::{self, Camera, GlossyRadiance, Picture, Radiance};
 use relume::display::{RaycastOptions, VertexRadiance};
 use relume::light::emitter::Placed;
-use relume::light::{IncidentLight, ShLight};
 use relume::scene::World;
-use relume::shade::{Outgoing, bounced};
+use relume::shade::Outgoing;
 
 use crate::args::Exposure;
 use crate::failure::Failure;
+use crate::lights::Lit;
 
 /// A scene, ready for camera rays, and a camera.
 pub struct View<'a> {
@@ -22,22 +22,6 @@ pub struct View<'a> {
     pub outgoing: Option<Outgoing>,
     /// Emitters that are seen where they stand; their light is the transfer's to take.
     pub emitters: Option<&'a Placed>,
-}
-
-/// Light on an asset, and how often it bounces when it is shaded.
-pub struct Lit {
-    pub light: IncidentLight,
-    pub bounces: u32,
-}
-
-impl Lit {
-    /// Distant light, as the asset was baked for it.
-    pub fn distant(light: &ShLight) -> Self {
-        Self {
-            light: IncidentLight::Distant(light.clone()),
-            bounces: 0,
-        }
-    }
 }
 
 /// Radiance by direction, where there is no surface.
@@ -64,10 +48,12 @@ impl View<'_> {
         options: &RaycastOptions,
     ) -> Result<Picture, Failure> {
         // Also says whether the transfer may be used for this light at all.
-        let sides = bounced(transfer, &lit.light, lit.bounces)?;
+        let sides = lit.shaded(transfer)?;
         let glossy = self.outgoing.as_ref();
-        let glossy =
-            glossy.and_then(|outgoing| GlossyRadiance::new(outgoing, transfer, &lit.light));
+        let glossy = glossy.and_then(|outgoing| {
+            let transferred = lit.transferred(transfer)?;
+            Some(GlossyRadiance::of(outgoing, transfer, transferred))
+        });
         let diffuse;
         let radiance: &dyn Radiance = match &glossy {
             Some(glossy) => glossy,

@@ -3,12 +3,12 @@
 use std::fmt::Display;
 
 use relume::light::{IncidentLight, ShLight};
-use relume::shade::SideRadiance;
+use relume::shade::{SideRadiance, Split};
 use relume_gpu::{GpuError, Surface};
 
 use crate::app::Viewer;
 use crate::content::Paths;
-use crate::near::{self, Arriving, Domain, Method};
+use crate::near::{self, Arriving, Domain, Method, NearLight};
 
 /// What came of near light when it was last asked for.
 #[derive(Default)]
@@ -42,12 +42,13 @@ impl Viewer {
             (false, other) => other,
         };
         let alone = lighting.coefficient.is_some() || !self.shades_here();
-        self.report.on_device = !alone && self.may_light_on_device();
+        let split = if alone { None } else { self.split_lamps() };
+        self.report.on_device = !alone && split.is_none() && self.may_light_on_device();
         let lit = if alone || self.report.on_device {
             self.lit = None;
             self.on_device(light).map_err(text)
         } else {
-            self.with_lamps(&light)
+            self.with_lamps(&light, split.as_ref())
         };
         let seen = self.near.shows_lamps && !self.near.is_empty();
         let lamps = seen.then(|| self.near.placed());
@@ -81,6 +82,14 @@ impl Viewer {
         whole && self.near.method == Method::Device
     }
 
+    /// The lamps by where they stand, if some are within the scene's hull and what is shown has shadows.
+    fn split_lamps(&self) -> Option<Split> {
+        let content = self.content.as_ref()?;
+        let shadows = self.paths != Paths::Unshadowed && content.bounces().is_some();
+        let split = || Split::new(&content.world, self.near.placed());
+        shadows.then(split).flatten()
+    }
+
     /// Whether the difference to exact light is shown.
     fn shows_error(&self) -> bool {
         self.near.error.is_some() && !self.near.method.is_exact() && !self.near.is_empty()
@@ -94,9 +103,9 @@ impl Viewer {
     }
 
     /// Shaded on this side of the device; the error against exact light where that is shown.
-    fn with_lamps(&mut self, distant: &ShLight) -> Result<(), String> {
+    fn with_lamps(&mut self, distant: &ShLight, split: Option<&Split>) -> Result<(), String> {
         self.stage.light_emitters(None).map_err(text)?;
-        self.want_direct_light();
+        self.want_direct_light(split.is_some());
         let gain = self.near.error.filter(|_| self.shows_error());
         let Some(content) = &mut self.content else {
             return Ok(());
@@ -104,8 +113,9 @@ impl Viewer {
         let arriving = self
             .arriving
             .get_or_insert_with(|| Arriving::new(&content.world, &content.asset.transfer));
-        let arrived = arriving.arrive(&self.near, &content.world);
-        let near = (!self.near.is_empty()).then_some(&arrived.light);
+        let transfer = &content.asset.transfer;
+        let arrived = arriving.arrive(&self.near, split, &content.world, transfer);
+        let near = (!self.near.is_empty()).then_some(&arrived.near);
         let (paths, bounces) = (self.paths, self.near.bounces);
         let sides = near::shade(content, paths, distant, near, bounces).map_err(text)?;
         self.report = Report {
@@ -114,7 +124,10 @@ impl Viewer {
             ..Report::default()
         };
         if let Some(gain) = gain {
-            let exact = arriving.exact(&self.near);
+            let exact = NearLight {
+                light: arriving.exact(split.map_or(self.near.placed(), |split| &split.outside)),
+                ..arrived.near.clone()
+            };
             let exact = near::shade(content, paths, distant, Some(&exact), bounces);
             let (difference, rmse) = near::error(&sides, &exact.map_err(text)?, gain);
             self.report.rmse = Some(rmse);
@@ -126,7 +139,7 @@ impl Viewer {
         let folded = paths == Paths::Baked && content.has_folded_bounces();
         let set = match near {
             Some(near) if glossy && !folded => {
-                let light = IncidentLight::PerVertex(near.plus(distant));
+                let light = IncidentLight::PerVertex(near.light.plus(distant));
                 self.stage.set_light(&light)
             }
             _ if glossy => self
@@ -139,7 +152,7 @@ impl Viewer {
     }
 
     /// Sees that there is direct transfer for near light, where bounces were folded in.
-    fn want_direct_light(&mut self) {
+    fn want_direct_light(&mut self, enclosed: bool) {
         let Some(content) = self.content.as_ref().filter(|_| !self.near.is_empty()) else {
             return self.messages.standing_note("near", None);
         };
@@ -155,6 +168,9 @@ impl Viewer {
             (false, _) if hidden => Some(
                 "near light does not reach glossy surfaces by bounces; choose \"shadowed\" to see it",
             ),
+            (false, _) if glossy && enclosed => {
+                Some("near light within the scene reaches diffuse surfaces alone")
+            }
             (false, _) => None,
         };
         self.messages.standing_note("near", note.map(str::to_owned));
@@ -177,7 +193,7 @@ impl Viewer {
             Some(sides) => crate::exposure::of_sides(content, sides),
             None if self.report.on_device => {
                 let transfer = &content.asset.transfer;
-                let near = Arriving::new(&content.world, transfer).exact(&self.near);
+                let near = Arriving::new(&content.world, transfer).exact(self.near.placed());
                 let light = IncidentLight::PerVertex(near.plus(&distant));
                 let front = relume::shade::transferred_radiance(transfer, &light);
                 let back = Vec::new();

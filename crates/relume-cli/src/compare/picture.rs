@@ -13,8 +13,9 @@ use super::font;
 use crate::args::Exposure;
 use crate::failure::Failure;
 use crate::inputs::shown;
+use crate::lights::Lit;
 use crate::progress;
-use crate::view::{Lit, View};
+use crate::view::View;
 
 /// What the picture shows, in numbers. All are relative to the mean luminance of the surfaces in the path-traced view.
 pub struct ErrorPicture {

@@ -1,13 +1,16 @@
 //! Light of lamps at the vertices of a scene, by the method that was chosen.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use relume::asset::Transfer;
 use relume::light::VertexLight;
 use relume::light::adaptive::{
     FirstOrderSession, Responses, VertexHierarchy, reconstruct, reconstruct_first_order, refine,
 };
-use relume::light::emitter::{ClosedForm, LightSession};
+use relume::light::emitter::{ClosedForm, Emitter, LightSession, Placed};
 use relume::scene::World;
+use relume::shade::{EnclosedLight, SideRadiance, Split};
 use web_time::Instant;
 
 use super::{Method, Near};
@@ -19,6 +22,10 @@ pub struct Arriving {
     form: ClosedForm,
     exact: LightSession,
     first_order: FirstOrderSession,
+    /// Made for the first lamp within the scene.
+    tracer: Option<EnclosedLight<'static>>,
+    /// Such lamps, and their light, as they last were.
+    enclosed: Option<(Vec<Emitter>, SideRadiance)>,
 }
 
 /// A sample, and how far it is valid.
@@ -31,8 +38,17 @@ pub struct Domain {
 }
 
 /// Light of all lamps.
-pub struct Arrived {
+#[derive(Clone)]
+pub struct NearLight {
+    /// At every vertex, of those outside the scene's hull.
     pub light: VertexLight,
+    /// Direct light of the others.
+    pub enclosed: Option<SideRadiance>,
+}
+
+/// Light of all lamps, and how it was found.
+pub struct Arrived {
+    pub near: NearLight,
     /// Where it was sampled; none where it was at every vertex.
     pub domains: Vec<Domain>,
     pub seconds: f32,
@@ -48,37 +64,71 @@ impl Arriving {
             form: ClosedForm::new(order),
             exact: LightSession::new(&world.positions, order),
             first_order: FirstOrderSession::default(),
+            tracer: None,
+            enclosed: None,
         }
     }
 
     /// At every vertex, in closed form.
-    pub fn exact(&mut self, near: &Near) -> VertexLight {
-        self.exact.light(near.placed()).clone()
+    pub fn exact(&mut self, placed: &Placed) -> VertexLight {
+        self.exact.light(placed).clone()
     }
 
-    /// By the method chosen.
-    pub fn arrive(&mut self, near: &Near, world: &World) -> Arrived {
+    /// By the method chosen; that of lamps within the scene, where `split` says which they are, by rays.
+    pub fn arrive(
+        &mut self,
+        near: &Near,
+        split: Option<&Split>,
+        world: &Arc<World>,
+        transfer: &Transfer,
+    ) -> Arrived {
         let begun = Instant::now();
+        let placed = split.map_or(near.placed(), |split| &split.outside);
         let (light, domains) = match near.method {
-            Method::Exact | Method::Device => (self.exact(near), Vec::new()),
-            Method::FirstOrder => self.first_order(near, world),
-            Method::Domains => self.domains(near, world),
+            Method::Exact | Method::Device => (self.exact(placed), Vec::new()),
+            Method::FirstOrder => self.first_order(near, placed, world),
+            Method::Domains => self.domains(near, placed, world),
         };
+        let enclosed = split.map(|split| self.enclosed(&split.inside, world, transfer));
         Arrived {
-            light,
+            near: NearLight { light, enclosed },
             domains,
             seconds: begun.elapsed().as_secs_f32(),
         }
     }
 
-    fn first_order(&mut self, near: &Near, world: &World) -> (VertexLight, Vec<Domain>) {
+    fn enclosed(
+        &mut self,
+        placed: &Placed,
+        world: &Arc<World>,
+        transfer: &Transfer,
+    ) -> SideRadiance {
+        let known = self.enclosed.take();
+        let known = known.filter(|(emitters, _)| emitters == placed.emitters());
+        let find = || {
+            let new = || EnclosedLight::new(Arc::clone(world));
+            let tracer = self.tracer.get_or_insert_with(new);
+            let light = tracer.direct(placed, transfer);
+            (placed.emitters().to_vec(), light)
+        };
+        let (emitters, light) = known.unwrap_or_else(find);
+        self.enclosed = Some((emitters, light.clone()));
+        light
+    }
+
+    fn first_order(
+        &mut self,
+        near: &Near,
+        placed: &Placed,
+        world: &World,
+    ) -> (VertexLight, Vec<Domain>) {
         let (positions, options) = (&world.positions, &near.refine[0]);
         let samples = self.first_order.refine(
             &self.hierarchy,
             positions,
             &self.responses,
             &self.form,
-            near.placed(),
+            placed,
             options,
         );
         let light = reconstruct_first_order(&samples, &self.hierarchy, positions);
@@ -90,8 +140,8 @@ impl Arriving {
         (light, (0..samples.len()).map(domain).collect())
     }
 
-    fn domains(&self, near: &Near, world: &World) -> (VertexLight, Vec<Domain>) {
-        let refined = refine(&self.hierarchy, &self.form, near.placed(), &near.refine[1]);
+    fn domains(&self, near: &Near, placed: &Placed, world: &World) -> (VertexLight, Vec<Domain>) {
+        let refined = refine(&self.hierarchy, &self.form, placed, &near.refine[1]);
         let samples = &refined.samples;
         let light = reconstruct(samples, &self.hierarchy, &world.positions);
         let domain = |i: usize| Domain {

@@ -8,7 +8,7 @@ use glam::DVec3;
 use relume::light::adaptive::RefineOptions;
 use relume::light::emitter::{EmitterError, Emitters, Placed};
 
-pub use arrive::{Arriving, Domain};
+pub use arrive::{Arriving, Domain, NearLight};
 pub use lamp::{Lamp, Made};
 pub use shade::{error, shade};
 

@@ -1,9 +1,10 @@
 //! What a diffuse scene makes of distant and near light together.
 
 use relume::asset::{Transfer, TransferKind};
-use relume::light::{IncidentLight, ShLight, VertexLight};
-use relume::shade::{BounceError, SideRadiance, bounced};
+use relume::light::{IncidentLight, ShLight};
+use relume::shade::{BounceError, SideRadiance, bounced, bounced_with};
 
+use super::NearLight;
 use crate::content::{Content, Paths};
 
 /// Transferred radiance of every side.
@@ -17,7 +18,7 @@ pub fn shade(
     content: &mut Content,
     paths: Paths,
     distant: &ShLight,
-    near: Option<&VertexLight>,
+    near: Option<&NearLight>,
     bounces: u32,
 ) -> Result<SideRadiance, BounceError> {
     let far = IncidentLight::Distant(distant.clone());
@@ -32,26 +33,21 @@ pub fn shade(
     };
     if !folded {
         let light = match near {
-            Some(near) => IncidentLight::PerVertex(near.plus(distant)),
+            Some(near) => IncidentLight::PerVertex(near.light.plus(distant)),
             None => far,
         };
-        return bounced(shown, &light, possible(shown));
+        let enclosed = near.and_then(|near| near.enclosed.as_ref());
+        return bounced_with(shown, &light, enclosed, possible(shown));
     }
     let mut sides = bounced(shown, &far, 0)?;
     let Some((near, direct)) = near.zip(content.direct()) else {
         return Ok(sides);
     };
-    let light = IncidentLight::PerVertex(near.clone());
-    let added = bounced(direct, &light, possible(direct))?;
-    add(&mut sides.front, &added.front);
-    add(&mut sides.back, &added.back);
+    let light = IncidentLight::PerVertex(near.light.clone());
+    let enclosed = near.enclosed.as_ref();
+    let added = bounced_with(direct, &light, enclosed, possible(direct))?;
+    sides.add(&added);
     Ok(sides)
-}
-
-fn add(sum: &mut [[f32; 3]], added: &[[f32; 3]]) {
-    for (sum, added) in sum.iter_mut().zip(added) {
-        *sum = std::array::from_fn(|c| sum[c] + added[c]);
-    }
 }
 
 /// How far `found` is from `exact`: their differences `gain` times, and their root mean square with the brightest channel of any vertex as 1.
@@ -117,7 +113,8 @@ mod tests {
         let mut near = Near::default();
         near.add(Made::Panel.lamp(0.5, DVec3::new(0.1, 1.5, 0.2), DVec3::ZERO));
         let mut arriving = Arriving::new(&gathered.world, &gathered.asset.transfer);
-        let light = arriving.exact(&near);
+        let transfer = &gathered.asset.transfer;
+        let light = arriving.arrive(&near, None, &gathered.world, transfer).near;
         let lit = shade(&mut gathered, Paths::Baked, &distant, Some(&light), 2).unwrap();
         // Without direct transfer of its own: unshadowed, once; with it, the same as the other.
         let without = shade(&mut folded, Paths::Baked, &distant, Some(&light), 2).unwrap();

@@ -30,9 +30,11 @@ mod store;
 pub mod tile;
 pub mod trace;
 
+pub(crate) use buried::Filling;
 pub use engine::Engine;
 pub use options::{BakeError, BakeOptions, Monitor, Need, Progress};
 pub use passes::Report;
+pub(crate) use receiver::{Receiver, Receivers};
 pub use result::Baked;
 pub use run::bake;
 #[cfg(not(target_arch = "wasm32"))]

@@ -4,11 +4,11 @@ use glam::{DVec3, Vec3};
 
 use super::coincident::alike;
 use super::sampling::vertex_seed;
-use crate::scene::World;
+use crate::scene::{World, WorldRef};
 
 /// The places light is gathered at, in an order in which neighbours on the surface are neighbours in the list (and in the caches).
 pub struct Receivers<'w> {
-    world: &'w World,
+    world: WorldRef<'w>,
     places: Vec<Place>,
     /// Receiver in front of each vertex.
     pub front: Vec<u32>,
@@ -49,7 +49,8 @@ pub struct Receiver {
 }
 
 impl<'w> Receivers<'w> {
-    pub fn new(world: &'w World) -> Self {
+    pub fn new(world: impl Into<WorldRef<'w>>) -> Self {
+        let world = world.into();
         let vertices = world.positions.len();
         let mut two_sided = vec![false; vertices];
         for (triangle, corners) in world.triangles.iter().enumerate() {
@@ -59,7 +60,7 @@ impl<'w> Receivers<'w> {
         }
         let (mut front, mut behind) = (vec![0; vertices], vec![NO_BACK; vertices]);
         let mut places = Vec::with_capacity(vertices);
-        for vertex in along_a_curve(world) {
+        for vertex in along_a_curve(&world) {
             front[vertex as usize] = places.len() as u32;
             places.push(Place {
                 vertex,
@@ -71,11 +72,11 @@ impl<'w> Receivers<'w> {
             }
         }
         Self {
-            world,
             places,
             front,
             behind,
-            lifts: lifts(world),
+            lifts: lifts(&world),
+            world,
         }
     }
 

@@ -23,16 +23,25 @@ impl<'a> GlossyRadiance<'a> {
     /// What `transfer` makes of `light`, to be seen through `outgoing`; `None` for a transfer without matrices.
     pub fn new(outgoing: &'a Outgoing, transfer: &Transfer, light: &IncidentLight) -> Option<Self> {
         let transferred = TransferredRadiance::new(transfer, light)?;
+        Some(Self::of(outgoing, transfer, transferred))
+    }
+
+    /// Of radiance that arrives at the sides that `transfer` has.
+    pub fn of(
+        outgoing: &'a Outgoing,
+        transfer: &Transfer,
+        transferred: TransferredRadiance,
+    ) -> Self {
         let mut backs = vec![0; transfer.vertex_count()];
         let two_sided = transfer.back.iter().flat_map(|back| &back.vertices);
         for (&vertex, place) in two_sided.zip(1..) {
             backs[vertex as usize] = place;
         }
-        Some(Self {
+        Self {
             outgoing,
             transferred,
             backs,
-        })
+        }
     }
 
     /// Transferred radiance at a vertex's side.

@@ -56,4 +56,4 @@ pub use outgoing::{Seen, estimate_outgoing};
 pub use picture::{RenderOptions, render, render_surfaces};
 pub use sources::{Light, Sources};
 pub use surfaces::{Surfaces, diffuse_surfaces, material_surfaces};
-pub use toward::{compare_outgoing, compare_toward};
+pub use toward::{compare_outgoing, compare_toward, compare_transferred};

@@ -52,13 +52,28 @@ pub fn compare_outgoing(
     let Some(transferred) = TransferredRadiance::new(transfer, light) else {
         return Ok(None);
     };
+    compare_transferred(world, transfer, &transferred, sources, eye, options)
+}
+
+/// [`compare_outgoing`] of radiance that arrives at the sides that `transfer` has, however it was found.
+///
+/// # Errors
+/// [`Anisotropic`] where a BRDF does not turn with the view.
+pub fn compare_transferred(
+    world: &World,
+    transfer: &Transfer,
+    transferred: &TransferredRadiance,
+    sources: &Sources<'_>,
+    eye: DVec3,
+    options: &CompareOptions,
+) -> Result<Option<Comparison>, Anisotropic> {
     let outgoing = Outgoing::new(world, transferred.order)?;
     let sides = Sides::new(world, transfer, eye);
     let (chosen, invalid) = choose(world, &transfer.valid, options, |v| sides.seen(v).is_some());
     if chosen.is_empty() {
         return Ok(None);
     }
-    let ours = outgoing.radiance(transfer, &transferred, eye);
+    let ours = outgoing.radiance(transfer, transferred, eye);
     let empty = World::default();
     let (bounces, occluders) = what_is_counted(transfer, world, &empty);
     let seen = sides.points(&chosen);

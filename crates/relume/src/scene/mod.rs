@@ -26,6 +26,8 @@ mod tessellate;
 mod tests;
 mod triangles;
 mod world;
+#[cfg(feature = "bake")]
+mod world_ref;
 
 pub use error::SceneError;
 pub use finish::{override_albedo, override_reflection};
@@ -36,6 +38,8 @@ pub use mesh::{Group, Instance, Mesh};
 pub use tessellate::{TOO_COARSE, auto_max_edge, coarseness, tessellate};
 pub use triangles::{Albedo, Triangles};
 pub use world::{ShadingPoint, Surface, World};
+#[cfg(feature = "bake")]
+pub use world_ref::WorldRef;
 
 /// A scene as a file says it.
 #[derive(Clone, Debug, Default)]

@@ -5,7 +5,7 @@
 use thiserror::Error;
 
 use super::{transferred_radiance, transferred_radiance_back};
-use crate::asset::{Transfer, TransferKind};
+use crate::asset::{Gather, Transfer, TransferKind};
 use crate::light::IncidentLight;
 
 /// Transferred radiance (irradiance / π, without the receiver's albedo) of every side, linear Rec. 709.
@@ -45,34 +45,63 @@ pub fn bounced(
     light: &IncidentLight,
     bounces: u32,
 ) -> Result<SideRadiance, BounceError> {
+    bounced_with(transfer, light, None, bounces)
+}
+
+/// [`bounced`], with direct light that transfer does not hold for: E₀ = T₀ l + `direct`, one entry for each side that `transfer` has.
+///
+/// # Errors
+/// As of [`bounced`]; direct light varies by vertex.
+pub fn bounced_with(
+    transfer: &Transfer,
+    light: &IncidentLight,
+    direct: Option<&SideRadiance>,
+    bounces: u32,
+) -> Result<SideRadiance, BounceError> {
     let folded = matches!(transfer.kind, TransferKind::Shadowed { bounces: 1.. });
-    let varies = !matches!(light, IncidentLight::Distant(_));
+    let varies = direct.is_some() || !matches!(light, IncidentLight::Distant(_));
     if folded && (varies || bounces > 0) {
         return Err(BounceError::Folded);
     }
-    let mut direct = SideRadiance {
+    let mut sides = SideRadiance {
         front: transferred_radiance(transfer, light),
         back: transferred_radiance_back(transfer, light),
     };
+    if let Some(direct) = direct {
+        sides.add(direct);
+    }
     if bounces == 0 {
-        return Ok(direct);
+        return Ok(sides);
     }
     if transfer.matrices.is_some() {
         return Err(BounceError::Glossy);
     }
     let gather = transfer.gather.as_ref().ok_or(BounceError::NoGather)?;
-    let fronts = direct.front.len();
-    let mut last = std::mem::take(&mut direct.front);
-    last.append(&mut direct.back);
-    let mut sum = last.clone();
+    let mut last = sides.clone();
     for _ in 0..bounces {
-        last = gather.apply(&last);
-        for (sum, added) in sum.iter_mut().zip(&last) {
+        last = last.gathered(gather);
+        sides.add(&last);
+    }
+    Ok(sides)
+}
+
+impl SideRadiance {
+    /// Adds that of the same sides.
+    pub fn add(&mut self, other: &Self) {
+        let pairs = self.front.iter_mut().zip(&other.front);
+        for (sum, added) in pairs.chain(self.back.iter_mut().zip(&other.back)) {
             *sum = std::array::from_fn(|c| sum[c] + added[c]);
         }
     }
-    let back = sum.split_off(fronts);
-    Ok(SideRadiance { front: sum, back })
+
+    /// What arrives of it at all sides after one interreflection.
+    fn gathered(mut self, gather: &Gather) -> Self {
+        let fronts = self.front.len();
+        self.front.append(&mut self.back);
+        let mut front = gather.apply(&self.front);
+        let back = front.split_off(fronts);
+        Self { front, back }
+    }
 }
 
 #[cfg(test)]

@@ -47,6 +47,17 @@ impl TransferredRadiance {
     }
 }
 
+impl TransferredRadiance {
+    /// Adds that of the same sides at the same order.
+    pub fn add(&mut self, other: &Self) {
+        assert_eq!(self.order, other.order, "as many coefficients");
+        let pairs = self.front.iter_mut().zip(&other.front);
+        for (sum, added) in pairs.chain(self.back.iter_mut().zip(&other.back)) {
+            *sum += added;
+        }
+    }
+}
+
 /// The matrices of some sides, `vertex` by side, times the light.
 fn applied(
     transfer: &Transfer,

@@ -21,7 +21,7 @@ mod walk;
 
 use glam::Vec3;
 
-use crate::scene::World;
+use crate::scene::WorldRef;
 use crate::simd::Level;
 
 pub use occluders::Occluders;
@@ -33,7 +33,7 @@ pub use walk::rays_of;
 /// The answer depends on the triangles and the ray alone (nearest first, then lowest index), not on the tree, on the other rays, on the
 /// instruction set or on the order of anything.
 pub struct Tracer<'w> {
-    world: &'w World,
+    world: WorldRef<'w>,
     caster: Caster,
 }
 
@@ -49,13 +49,14 @@ enum Caster {
 
 impl<'w> Tracer<'w> {
     /// Builds the tree over all triangles of `world`.
-    pub fn new(world: &'w World) -> Self {
+    pub fn new(world: impl Into<WorldRef<'w>>) -> Self {
         Self::with_level(world, Level::best())
     }
 
     /// [`Self::new`], for an instruction set of choice.
-    pub fn with_level(world: &'w World, level: Level) -> Self {
-        let tree = tree::Tree::new(world, level.width());
+    pub fn with_level(world: impl Into<WorldRef<'w>>, level: Level) -> Self {
+        let world = world.into();
+        let tree = tree::Tree::new(&world, level.width());
         Self {
             world,
             caster: Caster::Packets { tree, level },
@@ -65,10 +66,11 @@ impl<'w> Tracer<'w> {
     /// Embree 4 over all triangles of `world`: loaded from an absolute path, or where the system keeps it.
     #[cfg(all(feature = "embree", any(unix, windows)))]
     pub fn with_embree(
-        world: &'w World,
+        world: impl Into<WorldRef<'w>>,
         path: Option<&std::path::Path>,
     ) -> Result<Self, embree::EmbreeError> {
-        let caster = Caster::Embree(embree::Embree::new(world, path)?);
+        let world = world.into();
+        let caster = Caster::Embree(embree::Embree::new(&world, path)?);
         Ok(Self { world, caster })
     }
 

@@ -36,7 +36,7 @@ pub use cube_map::CubeMap;
 pub use error::EmitterError;
 pub use exact::{ExactParts, PlainFace, light_at_vertices};
 pub use file::{EmitterFileError, EntryError, from_json, load, to_json};
-pub(in crate::light) use occluders::Ball;
+pub(crate) use occluders::Ball;
 pub use placed::{EmitterHit, Placed, PlacedPolygon, PlacedSphere};
 pub use sample::{Incident, LightGradient, Sampler, light_at};
 pub use session::LightSession;

@@ -176,7 +176,7 @@ impl Placed {
     }
 
     /// The same, but that emitters of these numbers are black: they hide what is behind them all the same.
-    pub(super) fn with_black(&self, is_black: impl Fn(usize) -> bool) -> Self {
+    pub(crate) fn with_black(&self, is_black: impl Fn(usize) -> bool) -> Self {
         let mut placed = self.clone();
         for polygon in &mut placed.polygons {
             if is_black(polygon.emitter) {
@@ -189,6 +189,18 @@ impl Placed {
             }
         }
         placed
+    }
+
+    /// For each emitter, whether it does more than block.
+    pub(crate) fn shining(&self) -> Vec<bool> {
+        let mut shines = vec![false; self.sources.len()];
+        let polygons = self.polygons.iter().filter(|polygon| !polygon.is_black());
+        let spheres = self.spheres.iter().filter(|sphere| !sphere.is_black());
+        let emitters = polygons.map(|polygon| polygon.emitter);
+        for emitter in emitters.chain(spheres.map(|sphere| sphere.emitter)) {
+            shines[emitter] = true;
+        }
+        shines
     }
 
     /// For each polygon, the others that may hide some of it.
