@@ -8,7 +8,9 @@ use relume::files::printable;
 use relume::light::emitter::{self, Placed};
 use relume::light::{EnvSpec, Environment, IncidentLight, ShLight, VertexLight};
 use relume::scene::World;
-use relume::shade::{self, BounceError, EnclosedLight, SideRadiance, Split, TransferredRadiance};
+use relume::shade::{
+    self, BounceError, EnclosedLight, Enclosure, SideRadiance, Split, TransferredRadiance,
+};
 
 use crate::args::{LightArgs, LightChange};
 use crate::failure::Failure;
@@ -26,7 +28,7 @@ pub struct Lights {
     /// The emitters that near light comes from.
     pub placed: Option<Placed>,
     /// Direct light of those that reach into the object's hull.
-    pub enclosed: Enclosed,
+    pub enclosed: Option<EnclosedLight>,
     /// Interreflections that are added when it is shaded.
     pub bounces: u32,
 }
@@ -46,7 +48,7 @@ impl Lights {
             distant: ShLight::new(order, vec![[0.0; 3]; order.count()]),
             near: None,
             placed: None,
-            enclosed: Enclosed::default(),
+            enclosed: None,
             bounces: args.bounces,
         };
         if let Some(path) = args.env.as_ref().and_then(by_vertex) {
@@ -70,7 +72,10 @@ impl Lights {
             None => exact,
         });
         if let Some(split) = split {
-            self.enclosed = Enclosed::new(world, &split, &asset.transfer);
+            let spinner = progress::spinner("light of enclosed lamps");
+            let light = Enclosure::new(world).light(&split.inside, &asset.transfer);
+            spinner.finish_and_clear();
+            self.enclosed = Some(light);
         }
         self.placed = Some(placed);
         Ok(())
@@ -109,7 +114,7 @@ impl Lights {
 /// Light on an asset, and how often it bounces when it is shaded.
 pub struct Lit {
     pub light: IncidentLight,
-    pub enclosed: Enclosed,
+    pub enclosed: Option<EnclosedLight>,
     pub bounces: u32,
 }
 
@@ -118,45 +123,25 @@ impl Lit {
     pub fn distant(light: &ShLight) -> Self {
         Self {
             light: IncidentLight::Distant(light.clone()),
-            enclosed: Enclosed::default(),
+            enclosed: None,
             bounces: 0,
         }
     }
 
     /// What `transfer` makes of it, bounces and all.
     pub fn shaded(&self, transfer: &Transfer) -> Result<SideRadiance, BounceError> {
-        let enclosed = self.enclosed.direct.as_ref();
+        let enclosed = self.enclosed.as_ref().map(|light| &light.direct);
         shade::bounced_with(transfer, &self.light, enclosed, self.bounces)
     }
 
     /// What arrives at glossy surfaces; `None` of a diffuse asset.
     pub fn transferred(&self, transfer: &Transfer) -> Option<TransferredRadiance> {
         let mut transferred = TransferredRadiance::new(transfer, &self.light)?;
-        if let Some(enclosed) = &self.enclosed.transferred {
+        let enclosed = self.enclosed.as_ref();
+        if let Some(enclosed) = enclosed.and_then(|light| light.transferred.as_ref()) {
             transferred.add(enclosed);
         }
         Some(transferred)
-    }
-}
-
-/// Direct light that transfer does not hold for: that of emitters within the object's hull.
-#[derive(Clone, Default)]
-pub struct Enclosed {
-    direct: Option<SideRadiance>,
-    /// Of a glossy asset.
-    transferred: Option<TransferredRadiance>,
-}
-
-impl Enclosed {
-    fn new(world: &World, split: &Split, transfer: &Transfer) -> Self {
-        let spinner = progress::spinner("light of enclosed lamps");
-        let light = EnclosedLight::new(world);
-        let enclosed = Self {
-            direct: Some(light.direct(&split.inside, transfer)),
-            transferred: light.transferred(&split.inside, transfer),
-        };
-        spinner.finish_and_clear();
-        enclosed
     }
 }
 

@@ -6,6 +6,7 @@ use half::f16;
 use relume::asset::{Precision, Transfer};
 use relume::basis::Order;
 use relume::light::VertexLight;
+use relume::shade::TransferredRadiance;
 use wgpu::{
     BindGroup, BindingResource, CommandEncoder, RenderPassTimestampWrites, Texture, TextureFormat,
     TextureUsages, TextureView,
@@ -131,6 +132,34 @@ impl GpuMatrices {
             pass.set_viewport(0.0, top, width, rows, 0.0, 1.0);
             pass.draw(0..3, 0..1);
         }
+    }
+
+    /// How many coefficients there are, of fronts and backs, and how many there should be.
+    pub fn coefficients(&self, transferred: &TransferredRadiance) -> (usize, usize) {
+        let given = transferred.front.len() + transferred.back.len();
+        (given, self.blocks.sides * 3 * self.order.count())
+    }
+
+    /// Writes the transferred radiance of every side as it is.
+    pub fn write(&self, gpu: &Gpu, transferred: &TransferredRadiance) {
+        let places = sequence(self.order);
+        let (width, height) = self.blocks.extent();
+        let mut texels = vec![[0.0_f32; 4]; width as usize * height as usize];
+        let texels_of_side = texels.chunks_exact_mut(self.blocks.size.radiance());
+        let sides = [&transferred.front, &transferred.back];
+        let sides = sides.map(|sides| sides.chunks_exact(3 * self.order.count()));
+        for (texels, side) in texels_of_side.zip(sides.into_iter().flatten()) {
+            let quads = texels.chunks_exact_mut(3).zip(places.chunks_exact(4));
+            for (channels, places) in quads {
+                for (texel, side) in channels
+                    .iter_mut()
+                    .zip(side.chunks_exact(self.order.count()))
+                {
+                    *texel = std::array::from_fn(|lane| places[lane].map_or(0.0, |i| side[i]));
+                }
+            }
+        }
+        gpu.write_rows(&self.radiance, 0, bytemuck::cast_slice(&texels));
     }
 
     /// A page of light for each page of matrices; `vertex` is that of a side.

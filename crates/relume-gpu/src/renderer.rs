@@ -7,7 +7,7 @@ use relume::display::Camera;
 use relume::light::emitter::Placed;
 use relume::light::{Environment, IncidentLight};
 use relume::scene::World;
-use relume::shade::SideRadiance;
+use relume::shade::{SideRadiance, TransferredRadiance};
 use wgpu::{BindGroup, BindingResource, Buffer, Device, Queue, RenderPass};
 
 use crate::background::Background;
@@ -238,13 +238,18 @@ impl Renderer {
     }
 
     /// Lights the scene with what was shaded elsewhere, in the place of a light: transferred radiance of each side, as of [`relume::shade::bounced`].
-    /// What surfaces of transfer matrices reflect stays as it was lit last.
+    /// `transferred` is what surfaces of transfer matrices reflect; without, it stays as it was lit last.
     ///
     /// # Errors
-    /// No scene, or radiance of other sides.
-    pub fn set_radiance(&mut self, radiance: &SideRadiance) -> Result<(), GpuError> {
+    /// No scene, or radiance of other sides or another order.
+    pub fn set_radiance(
+        &mut self,
+        radiance: &SideRadiance,
+        transferred: Option<&TransferredRadiance>,
+    ) -> Result<(), GpuError> {
         let scene = self.scene.as_mut().ok_or(GpuError::NoScene)?;
-        scene.transfer.write_radiance(&self.gpu, radiance)?;
+        let transfer = &scene.transfer;
+        transfer.write_radiance(&self.gpu, radiance, transferred)?;
         scene.light = None;
         Ok(())
     }

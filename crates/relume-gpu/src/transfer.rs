@@ -2,7 +2,7 @@
 
 use relume::asset::Transfer;
 use relume::basis::Order;
-use relume::shade::SideRadiance;
+use relume::shade::{SideRadiance, TransferredRadiance};
 use wgpu::{BindGroup, BindingResource, CommandEncoder, RenderPassTimestampWrites, Texture};
 
 use crate::GpuError;
@@ -126,8 +126,18 @@ impl GpuTransfer {
         matrices.relight(encoder, layouts, light, end);
     }
 
-    /// Writes the radiance of every side as it is.
-    pub fn write_radiance(&self, gpu: &Gpu, radiance: &SideRadiance) -> Result<(), GpuError> {
+    /// Writes the radiance of every side as it is, and, where it is given, its transferred radiance.
+    pub fn write_radiance(
+        &self,
+        gpu: &Gpu,
+        radiance: &SideRadiance,
+        transferred: Option<&TransferredRadiance>,
+    ) -> Result<(), GpuError> {
+        let (given, expected) = match (transferred, &self.matrices) {
+            (Some(transferred), Some(matrices)) => matrices.coefficients(transferred),
+            (Some(transferred), None) => (transferred.front.len(), 0),
+            (None, _) => (0, 0),
+        };
         let sides = [
             ("radiances of vertices", radiance.front.len(), self.vertices),
             (
@@ -135,6 +145,7 @@ impl GpuTransfer {
                 radiance.back.len(),
                 self.backs.len(),
             ),
+            ("coefficients of transferred radiance", given, expected),
         ];
         for (what, given, expected) in sides {
             if given != expected {
@@ -150,6 +161,9 @@ impl GpuTransfer {
         let size = self.pages.width as usize * self.pages.height() as usize;
         texels.resize(size, [0.0; 4]);
         gpu.write_rows(&self.radiance, 0, bytemuck::cast_slice(&texels));
+        if let Some((matrices, transferred)) = self.matrices.as_ref().zip(transferred) {
+            matrices.write(gpu, transferred);
+        }
         Ok(())
     }
 

@@ -105,7 +105,7 @@ impl Viewer {
     /// Shaded on this side of the device; the error against exact light where that is shown.
     fn with_lamps(&mut self, distant: &ShLight, split: Option<&Split>) -> Result<(), String> {
         self.stage.light_emitters(None).map_err(text)?;
-        self.want_direct_light(split.is_some());
+        self.want_direct_light();
         let gain = self.near.error.filter(|_| self.shows_error());
         let Some(content) = &mut self.content else {
             return Ok(());
@@ -132,12 +132,17 @@ impl Viewer {
             let (difference, rmse) = near::error(&sides, &exact.map_err(text)?, gain);
             self.report.rmse = Some(rmse);
             self.lit = Some(sides);
-            return self.stage.set_radiance(&difference).map_err(text);
+            return self.stage.set_radiance(&difference, None).map_err(text);
         }
         let glossy = content.is_glossy() && paths != Paths::Unshadowed;
         // Folded bounces would take near light for distant.
         let folded = paths == Paths::Baked && content.has_folded_bounces();
         let set = match near {
+            Some(near) if glossy && !folded && near.enclosed.is_some() => {
+                let transfer = content.transfer(paths);
+                let transferred = transfer.and_then(|shown| near.transferred(distant, shown));
+                self.stage.set_radiance(&sides, transferred.as_ref())
+            }
             Some(near) if glossy && !folded => {
                 let light = IncidentLight::PerVertex(near.light.plus(distant));
                 self.stage.set_light(&light)
@@ -145,14 +150,14 @@ impl Viewer {
             _ if glossy => self
                 .stage
                 .set_light(&IncidentLight::Distant(distant.clone())),
-            _ => self.stage.set_radiance(&sides),
+            _ => self.stage.set_radiance(&sides, None),
         };
         self.lit = Some(sides);
         set.map_err(text)
     }
 
     /// Sees that there is direct transfer for near light, where bounces were folded in.
-    fn want_direct_light(&mut self, enclosed: bool) {
+    fn want_direct_light(&mut self) {
         let Some(content) = self.content.as_ref().filter(|_| !self.near.is_empty()) else {
             return self.messages.standing_note("near", None);
         };
@@ -168,9 +173,6 @@ impl Viewer {
             (false, _) if hidden => Some(
                 "near light does not reach glossy surfaces by bounces; choose \"shadowed\" to see it",
             ),
-            (false, _) if glossy && enclosed => {
-                Some("near light within the scene reaches diffuse surfaces alone")
-            }
             (false, _) => None,
         };
         self.messages.standing_note("near", note.map(str::to_owned));

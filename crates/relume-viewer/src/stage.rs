@@ -7,7 +7,7 @@ use eframe::egui_wgpu::RenderState;
 use relume::display::Camera;
 use relume::light::IncidentLight;
 use relume::light::emitter::Placed;
-use relume::shade::SideRadiance;
+use relume::shade::{SideRadiance, TransferredRadiance};
 use relume_gpu::{GpuError, Look, MaterialEdit, Offscreen, Renderer, Target};
 
 use crate::content::{Content, Paths};
@@ -123,13 +123,17 @@ impl Stage {
         self.renderer.stage_light(light)
     }
 
-    /// What the sides of diffuse surfaces show in the next frame, shaded elsewhere.
+    /// What the sides of diffuse surfaces show in the next frame, and what arrives at those of glossy ones, shaded elsewhere.
     ///
     /// # Errors
     /// No scene, or radiance of another one.
-    pub fn set_radiance(&mut self, radiance: &SideRadiance) -> Result<(), GpuError> {
+    pub fn set_radiance(
+        &mut self,
+        radiance: &SideRadiance,
+        transferred: Option<&TransferredRadiance>,
+    ) -> Result<(), GpuError> {
         self.stale = false;
-        self.renderer.set_radiance(radiance)
+        self.renderer.set_radiance(radiance, transferred)
     }
 
     /// Emitters whose light the device adds to that of [`Self::set_light`].

@@ -7,6 +7,7 @@ use relume::brdf::{Phong, Reflection, Tile, TileShape};
 use relume::display::{Camera, GlossyRadiance, outgoing};
 use relume::light::IncidentLight;
 use relume::scene::{AlphaMode, NormalTexture, Sampler, Texture, World};
+use relume::shade::{TransferredRadiance, bounced};
 use relume_gpu::{GpuError, Look, MaterialEdit, Renderer, Surface};
 
 use crate::compare::{EDGE, Expected};
@@ -22,6 +23,7 @@ on_each_back_end! {
     maps_can_be_left_out
     tiles_are_those_of_the_cpu
     tiles_past_the_layers_of_the_device_are_refused
+    radiance_shaded_elsewhere_is_reflected
     other_views_show_the_diffuse_part
     other_transfers_can_be_shown_and_taken_back
     orders_past_the_layers_of_the_device_are_refused
@@ -288,6 +290,33 @@ fn tiles_past_the_layers_of_the_device_are_refused(gpu: &Gpu) {
         })
     );
     assert!(expected, "{refused:?}");
+}
+
+fn radiance_shaded_elsewhere_is_reflected(gpu: &Gpu) {
+    let mut world = ball();
+    world.materials[0].reflection = gltf(0.8, 0.4);
+    world.materials[0].double_sided = true;
+    let transfer = matrices(&world, (4, 3), 3);
+    let from = camera(&world);
+    let mut renderer = lit(gpu, &world, &transfer);
+    let drawn = gpu.draw(&mut renderer, &from, &Look::default(), SIZE);
+    let light = distant(4);
+    let sides = bounced(&transfer, &light, 0).unwrap();
+    let transferred = TransferredRadiance::new(&transfer, &light).unwrap();
+    let mut other = gpu.renderer();
+    other.upload(&world, &transfer).unwrap();
+    other.set_radiance(&sides, Some(&transferred)).unwrap();
+    let shown = gpu.draw(&mut other, &from, &Look::default(), SIZE);
+    let (drawn_pixels, pixels) = (drawn.pixels(), shown.pixels());
+    let pairs = drawn_pixels.iter().flatten().zip(pixels.iter().flatten());
+    let off = pairs.fold(0.0_f32, |most, (a, b)| most.max((a - b).abs()));
+    assert!(off < 1e-4 && drawn.lit() > 1000, "{off}");
+    let fewer = TransferredRadiance {
+        back: Vec::new(),
+        ..transferred
+    };
+    let refused = other.set_radiance(&sides, Some(&fewer));
+    assert!(matches!(refused, Err(GpuError::Mismatch { .. })));
 }
 
 fn other_views_show_the_diffuse_part(gpu: &Gpu) {

@@ -122,16 +122,16 @@ fn radiance_shaded_elsewhere_is_shown(gpu: &Gpu) {
     let mut sides = bounced(&transfer, &light, 0).unwrap();
     let from = camera(&world);
     let mut renderer = gpu.renderer();
-    assert_eq!(renderer.set_radiance(&sides), Err(GpuError::NoScene));
+    assert_eq!(renderer.set_radiance(&sides, None), Err(GpuError::NoScene));
     renderer.upload(&world, &transfer).unwrap();
-    renderer.set_radiance(&sides).unwrap();
+    renderer.set_radiance(&sides, None).unwrap();
     let drawn = gpu.draw(&mut renderer, &from, &Look::default(), SIZE);
     let radiance = VertexRadiance::of_sides(&transfer, sides.clone());
     let expected = Expected::new(&world, &radiance, &|_| [0.0; 3], &from, SIZE, EDGE);
     expected.check("radiance", &drawn, 1e-5, 1e-5);
     // Signs are shown, too.
     sides.front.iter_mut().flatten().for_each(|x| *x = -*x);
-    renderer.set_radiance(&sides).unwrap();
+    renderer.set_radiance(&sides, None).unwrap();
     let signed = Look {
         surface: Surface::Signed,
         ..Look::default()
@@ -141,7 +141,7 @@ fn radiance_shaded_elsewhere_is_shown(gpu: &Gpu) {
     assert!(blue > 1000, "{blue}");
     sides.front.pop();
     assert!(matches!(
-        renderer.set_radiance(&sides),
+        renderer.set_radiance(&sides, None),
         Err(GpuError::Mismatch { .. })
     ));
 }

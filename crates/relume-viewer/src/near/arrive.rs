@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use relume::asset::Transfer;
-use relume::light::VertexLight;
 use relume::light::adaptive::{
     FirstOrderSession, Responses, VertexHierarchy, reconstruct, reconstruct_first_order, refine,
 };
 use relume::light::emitter::{ClosedForm, Emitter, LightSession, Placed};
+use relume::light::{IncidentLight, ShLight, VertexLight};
 use relume::scene::World;
-use relume::shade::{EnclosedLight, SideRadiance, Split};
+use relume::shade::{EnclosedLight, Enclosure, SideRadiance, Split, TransferredRadiance};
 use web_time::Instant;
 
 use super::{Method, Near};
@@ -23,9 +23,9 @@ pub struct Arriving {
     exact: LightSession,
     first_order: FirstOrderSession,
     /// Made for the first lamp within the scene.
-    tracer: Option<EnclosedLight<'static>>,
+    enclosure: Option<Enclosure<'static>>,
     /// Such lamps, and their light, as they last were.
-    enclosed: Option<(Vec<Emitter>, SideRadiance)>,
+    enclosed: Option<(Vec<Emitter>, EnclosedLight)>,
 }
 
 /// A sample, and how far it is valid.
@@ -43,7 +43,29 @@ pub struct NearLight {
     /// At every vertex, of those outside the scene's hull.
     pub light: VertexLight,
     /// Direct light of the others.
-    pub enclosed: Option<SideRadiance>,
+    pub enclosed: Option<EnclosedLight>,
+}
+
+impl NearLight {
+    /// What transfer does not hold for.
+    pub fn enclosed_direct(&self) -> Option<&SideRadiance> {
+        self.enclosed.as_ref().map(|light| &light.direct)
+    }
+
+    /// With distant light, what arrives at the glossy surfaces of a scene; `None` of a diffuse one.
+    pub fn transferred(
+        &self,
+        distant: &ShLight,
+        transfer: &Transfer,
+    ) -> Option<TransferredRadiance> {
+        let light = IncidentLight::PerVertex(self.light.plus(distant));
+        let mut transferred = TransferredRadiance::new(transfer, &light)?;
+        let enclosed = self.enclosed.as_ref();
+        if let Some(enclosed) = enclosed.and_then(|light| light.transferred.as_ref()) {
+            transferred.add(enclosed);
+        }
+        Some(transferred)
+    }
 }
 
 /// Light of all lamps, and how it was found.
@@ -64,7 +86,7 @@ impl Arriving {
             form: ClosedForm::new(order),
             exact: LightSession::new(&world.positions, order),
             first_order: FirstOrderSession::default(),
-            tracer: None,
+            enclosure: None,
             enclosed: None,
         }
     }
@@ -102,13 +124,13 @@ impl Arriving {
         placed: &Placed,
         world: &Arc<World>,
         transfer: &Transfer,
-    ) -> SideRadiance {
+    ) -> EnclosedLight {
         let known = self.enclosed.take();
         let known = known.filter(|(emitters, _)| emitters == placed.emitters());
         let find = || {
-            let new = || EnclosedLight::new(Arc::clone(world));
-            let tracer = self.tracer.get_or_insert_with(new);
-            let light = tracer.direct(placed, transfer);
+            let new = || Enclosure::new(Arc::clone(world));
+            let enclosure = self.enclosure.get_or_insert_with(new);
+            let light = enclosure.light(placed, transfer);
             (placed.emitters().to_vec(), light)
         };
         let (emitters, light) = known.unwrap_or_else(find);

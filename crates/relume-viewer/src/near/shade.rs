@@ -36,7 +36,7 @@ pub fn shade(
             Some(near) => IncidentLight::PerVertex(near.light.plus(distant)),
             None => far,
         };
-        let enclosed = near.and_then(|near| near.enclosed.as_ref());
+        let enclosed = near.and_then(NearLight::enclosed_direct);
         return bounced_with(shown, &light, enclosed, possible(shown));
     }
     let mut sides = bounced(shown, &far, 0)?;
@@ -44,7 +44,7 @@ pub fn shade(
         return Ok(sides);
     };
     let light = IncidentLight::PerVertex(near.light.clone());
-    let enclosed = near.enclosed.as_ref();
+    let enclosed = near.enclosed_direct();
     let added = bounced_with(direct, &light, enclosed, possible(direct))?;
     sides.add(&added);
     Ok(sides)

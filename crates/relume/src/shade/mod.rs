@@ -11,7 +11,7 @@ mod vector;
 pub use bounce::{BounceError, SideRadiance, bounced, bounced_with};
 pub use compound::{Compound, CompoundError, SurfaceLightField};
 #[cfg(feature = "bake")]
-pub use enclosed::{EnclosedLight, Split};
+pub use enclosed::{EnclosedLight, Enclosure, Split};
 pub use matrix::{Outgoing, TransferredRadiance};
 pub use vector::{
     radiance, times_albedo, transferred_radiance, transferred_radiance_back,

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::Arriving;
+use super::arrive::Arriving;
 use crate::basis::sh::Evaluator;
 use crate::basis::{Angle, Euler, EulerRotation, Hemisphere, Order};
 

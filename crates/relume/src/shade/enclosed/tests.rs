@@ -75,7 +75,9 @@ fn against_paths(scene: &Scene, emitters: Vec<Emitter>, bounces: u32) -> Compari
     let transfer = baked(&world, 1024);
     let placed = placed(emitters);
     let split = Split::new(&world, &placed).unwrap();
-    let direct = EnclosedLight::new(&world).direct(&split.inside, &transfer);
+    let direct = Enclosure::new(&world)
+        .light(&split.inside, &transfer)
+        .direct;
     let sides = bounced_with(&transfer, &none(), Some(&direct), bounces).unwrap();
     let sources = Sources {
         distant: &|_| [0.0; 3],
@@ -160,10 +162,9 @@ fn glossy_surfaces_show_enclosed_emitters_as_paths_do() {
         panel(0.7, [9.0, 7.0, 5.0], [0.9, 0.6, 0.3], DVec3::NEG_X),
         ball(0.2, [4.0, 6.0, 9.0], [-0.8, 0.4, 0.6]),
     ]);
-    let arriving = EnclosedLight::new(&world).transferred(&lamps, &transfer);
-    let arriving = arriving.unwrap();
+    let light = Enclosure::new(&world).light(&lamps, &transfer);
+    let (direct, arriving) = (light.direct, light.transferred.unwrap());
     // Irradiance is kept: both ways bring the same to a diffuse surface.
-    let direct = EnclosedLight::new(&world).direct(&lamps, &transfer);
     let moments = |vertex: usize| -> f64 {
         let normal = world.normals[vertex].as_dvec3();
         let lobe = Zonal::clamped_cosine(order).toward(normal);
@@ -205,11 +206,11 @@ fn glossy_surfaces_show_enclosed_emitters_as_paths_do() {
 fn what_is_seen_whole_is_exact_and_may_lie_on_a_wall() {
     let world = World::new(&bundled::room(6, 0.5));
     let transfer = baked(&world, 16);
-    let light = EnclosedLight::new(&world);
+    let object = Enclosure::new(&world);
     for height in [0.9, 1.0] {
         let at = [0.1, height, -0.2];
         let placed = placed(vec![panel(0.5, [2.0, 1.0, 0.5], at, DVec3::NEG_Y)]);
-        let found = light.direct(&placed, &transfer).front;
+        let found = object.light(&placed, &transfer).direct.front;
         let receivers = Receivers::new(&world);
         let mut lit = 0;
         for (vertex, found) in found.iter().enumerate() {
@@ -286,9 +287,9 @@ fn only_what_stands_clear_of_the_hull_is_left_to_transfer() {
 fn bounces_of_enclosed_light_need_what_all_varying_light_needs() {
     let world = World::new(&bundled::room(2, 0.5));
     let mut transfer = baked(&world, 16);
-    let light = EnclosedLight::new(&world);
+    let object = Enclosure::new(&world);
     let placed = placed(vec![ball(0.2, [1.0; 3], [0.0; 3])]);
-    let direct = light.direct(&placed, &transfer);
+    let direct = object.light(&placed, &transfer).direct;
     assert!(direct.front.iter().all(|rgb| rgb[0] > 0.0));
     let far = none();
     let found = bounced_with(&transfer, &far, Some(&direct), 0).unwrap();
