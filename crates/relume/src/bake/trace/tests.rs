@@ -303,6 +303,27 @@ fn an_alpha_mask_lets_rays_through_its_holes() {
 }
 
 #[test]
+fn no_corner_has_a_negative_share() {
+    // Toward points on the edges of slivers, where rounding decides on which side of an edge they are.
+    let mut next = numbers(5);
+    let mut point = || Vec3::new(next(), next(), next()) - 0.5;
+    let mut outside = 0;
+    for i in 0..100_000 {
+        let (a, along) = (point(), point());
+        let corners = [a, a + along, a + along * 0.5 + point() * 1e-5];
+        let (origin, share) = (point() * 3.0, (i % 64) as f32 / 63.0);
+        let target = corners[i % 3].lerp(corners[(i + 1) % 3], share);
+        let (u, v, _) = triangle::weights(corners, origin, (target - origin).normalize());
+        let shares = [1.0 - u - v, u, v];
+        assert!(shares.iter().all(|w| (0.0..=1.0).contains(w)), "{shares:?}");
+        outside += usize::from(shares.contains(&0.0));
+    }
+    assert!(outside > 1000, "{outside}");
+    let point = [Vec3::ONE; 3];
+    assert_eq!(triangle::weights(point, Vec3::ZERO, Vec3::X).0, 0.0);
+}
+
+#[test]
 fn a_world_without_triangles_is_all_sky() {
     let mut hits = [Hit::MISS];
     Tracer::new(&World::default()).closest_from(Vec3::ZERO, &rays(&[Vec3::Y]), &mut hits);

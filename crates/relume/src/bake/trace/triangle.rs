@@ -249,13 +249,17 @@ pub fn intersect(corners: [Vec3; 3], direction: Vec3) -> Option<f32> {
     (t > 0.0 && t.is_finite()).then_some(t)
 }
 
-/// Barycentric weights (u, v) of the second and third corner where a ray meets the triangle, and whether it meets the front.
+/// Barycentric weights (u, v) of the second and third corner where a ray meets the triangle, and whether it meets the front. With 1 − u − v, in f32, none is
+/// negative.
 pub fn weights(corners: [Vec3; 3], origin: Vec3, direction: Vec3) -> (f32, f32, bool) {
     let [a, b, c] = corners;
     let corners = [a - origin, b - origin, c - origin];
     let (e, sum) = exact_edges(corners, direction.as_dvec3());
     let front = exact_height(corners) < 0.0;
-    ((e[1] / sum) as f32, (e[2] / sum) as f32, front)
+    // Rounding may leave a point on an edge outside; what is gathered there takes no negative share. A triangle seen edge on leaves all to its first corner.
+    let u = ((e[1] / sum) as f32).max(0.0).min(1.0);
+    let v = ((e[2] / sum) as f32).max(0.0).min(1.0 - u);
+    (u, v, front)
 }
 
 /// `(b − a) × (c − a) · a`: negative where the front faces the origin.
