@@ -69,6 +69,35 @@ fn light_of_vertices_is_written_once_and_shaded_alike() {
     assert!(other.contains("scene.obj"), "{other}");
 }
 
+/// A lamp within the scene's hull is seen from where it stands; a light.npz cannot say what is in its way.
+#[test]
+fn lamps_within_the_object_light_it() {
+    let bench = lit("--order 4 --gather");
+    // Over the floor, beside the box.
+    let lamp = r#"{"emitters": [{"name": "lantern", "sphere": 0.05, "position": [0.9, 0.5, 0.2], "radiance": 300}]}"#;
+    fs::write(bench.path("lantern.json"), lamp).unwrap();
+    bench.succeed("shade baked.glb --emitters lantern.json -o direct.npz");
+    bench.succeed("shade baked.glb --emitters lantern.json --bounces 2 -o bounced.npz");
+    let sum = |name: &str| radiance(&bench, name).iter().sum::<f32>();
+    assert!(sum("direct.npz") > 1.0 && sum("bounced.npz") > sum("direct.npz"));
+    let line = "compare baked.glb --emitters lantern.json --vertices 20 --paths 4096 --json";
+    let figures: serde_json::Value = serde_json::from_str(&bench.succeed(line).0).unwrap();
+    let error = figures["relative_rms"]["value"].as_f64().unwrap();
+    assert!(error < 0.01, "{error}");
+    let said = bench.fail(
+        1,
+        "light --emitters lantern.json --for baked.glb -o light.npz",
+    );
+    assert!(
+        said.contains("\"lantern\"") && said.contains("convex hull"),
+        "{said}"
+    );
+    assert!(!bench.path("light.npz").exists());
+    bench.bake("folded.glb", "--order 4 --bounces 1");
+    let said = bench.fail(1, "shade folded.glb --emitters lantern.json -o x.npz");
+    assert!(said.contains("--bounces 0 --gather"), "{said}");
+}
+
 #[test]
 fn bounces_are_gathered_when_light_varies() {
     let bench = lit("--order 4 --gather");

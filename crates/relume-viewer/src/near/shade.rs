@@ -76,6 +76,7 @@ mod tests {
     use relume::bake::{BakeOptions, Monitor, bake};
     use relume::basis::Order;
     use relume::scene::{World, bundled};
+    use relume::shade::Split;
 
     fn baked(bounces: u32, gather: bool) -> Content {
         let scene = bundled::bowl(0.7, 0.6, 16);
@@ -124,6 +125,33 @@ mod tests {
         assert!((sum(&with) - sum(&lit)).abs() < 1e-3 * sum(&lit));
         let direct = shade(&mut gathered, Paths::Shadowed, &distant, Some(&light), 2).unwrap();
         assert!(sum(&direct) < 0.99 * sum(&lit));
+    }
+
+    #[test]
+    fn lamps_within_the_scene_light_it_from_where_they_stand() {
+        let mut content = baked(0, true);
+        let dark = ShLight::new(content.asset.transfer.order, vec![[0.0; 3]; 9]);
+        let mut near = Near::default();
+        near.add(Made::Ball.lamp(0.3, DVec3::new(0.1, -0.2, 0.0), DVec3::ZERO));
+        let mut arriving = Arriving::new(&content.world, &content.asset.transfer);
+        let mut lit = |near: &Near| {
+            let split = Split::new(&content.world, near.placed());
+            let (world, transfer) = (&content.world, &content.asset.transfer);
+            assert!(split.is_some());
+            let light = arriving.arrive(near, split.as_ref(), world, transfer).near;
+            let lit = shade(&mut content, Paths::Baked, &dark, Some(&light), 1);
+            sum(&lit.unwrap())
+        };
+        let before = lit(&near);
+        assert!(before > 0.1 && lit(&near) == before, "{before}");
+        // Brighter, and elsewhere: never what it was.
+        let mut lamp = near.lamps()[0].clone();
+        lamp.strength *= 2.0;
+        near.edit(0, lamp.clone()).unwrap();
+        assert!((lit(&near) - 2.0 * before).abs() < 1e-4 * before);
+        lamp.emitter.world_from_emitter.translation.y += 0.3;
+        near.edit(0, lamp).unwrap();
+        assert!((lit(&near) - 2.0 * before).abs() > 0.01 * before);
     }
 
     #[test]
