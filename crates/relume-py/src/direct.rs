@@ -1,4 +1,4 @@
-//! `_relume.bake_direct` and `_relume.shade_direct`
+//! `_relume.bake_direct`, `_relume.shade_direct` and `_relume.shade_direct_near`
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -10,11 +10,15 @@ use numpy::{
 use pyo3::prelude::*;
 use relume::asset::{BackTransfer, Gather, Transfer};
 use relume::bake::BakeOptions;
-use relume::scene::World;
+use relume::light::IncidentLight;
+use relume::light::emitter::light_at_vertices;
+use relume::scene::{Albedo, Triangles, World};
+use relume::shade::{self, BounceError, Enclosure, SideRadiance, Split};
 
 use crate::bake::{self, triangles};
+use crate::emitters::Emitters;
 use crate::shade::{Light, vectors};
-use crate::{failure, work};
+use crate::{failure, rows, work};
 
 /// Vectors `[V, 1, n²]`, which vertices are valid `[V]`, and vertices `[B]` and vectors `[B, 1, n²]` of back sides.
 type Direct<'py> = (
@@ -88,45 +92,133 @@ pub fn bake_direct<'py>(
     Ok((sides, operator, warnings))
 }
 
-/// Transferred radiance `[V, 3]` after `bounces` interreflections: direct transfer applied to `light` [m², 3] or [V, m², 3], then the gather operator.
-#[pyfunction]
-#[pyo3(signature = (light, *, vectors, back_vertices, back_vectors, starts, columns, weights, bounces))]
-#[allow(
-    clippy::too_many_arguments,
-    clippy::needless_pass_by_value,
-    reason = "they are the arrays of a direct transfer, which come by value"
-)]
-pub fn shade_direct<'py>(
-    py: Python<'py>,
-    light: Light<'py>,
+/// The arrays of a `relume.DirectTransfer`.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Arrays<'py> {
     vectors: PyReadonlyArray3<'py, f32>,
+    valid: PyReadonlyArray1<'py, bool>,
     back_vertices: PyReadonlyArray1<'py, u32>,
     back_vectors: PyReadonlyArray3<'py, f32>,
     starts: PyReadonlyArray1<'py, u64>,
     columns: PyReadonlyArray1<'py, u32>,
     weights: PyReadonlyArray2<'py, f32>,
+}
+
+/// The triangles of a `relume.DirectTransfer`.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Object<'py> {
+    positions: PyReadonlyArray2<'py, f32>,
+    faces: PyReadonlyArray2<'py, u32>,
+    normals: Option<PyReadonlyArray2<'py, f32>>,
+    double_sided: bool,
+}
+
+/// Transferred radiance `[V, 3]` after `bounces` interreflections: direct transfer applied to `light` [m², 3] or [V, m², 3], then the gather operator.
+#[pyfunction]
+#[pyo3(signature = (light, transfer, *, bounces))]
+#[allow(
+    clippy::needless_pass_by_value,
+    reason = "Python's arguments come by value"
+)]
+pub fn shade_direct<'py>(
+    py: Python<'py>,
+    light: Light<'py>,
+    transfer: Arrays<'py>,
     bounces: u32,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-    let mut transfer = self::vectors("transfer.vectors", &vectors)?;
-    let count = transfer.vertex_count();
-    transfer.back = back(&transfer, &back_vertices, &back_vectors)?;
-    let sides = count + back_vertices.len();
-    let gather = Gather {
-        channels: weights.shape()[1],
-        starts: starts.as_slice()?.to_vec(),
-        columns: columns.as_slice()?.to_vec(),
-        weights: weights.as_slice()?.to_vec(),
-    };
-    gather
-        .check(sides)
-        .map_err(|what| failure::value("transfer", format!("{what}; bake it again")))?;
-    transfer.gather = Some(gather);
-    let light = light.incident(count)?;
+    let transfer = transfer.made()?;
+    let light = light.incident(transfer.vertex_count())?;
+    long(py, move || shade::bounced(&transfer, &light, bounces))
+}
+
+/// The same under emitters: those within the hull of the object are seen from where they stand.
+#[pyfunction]
+#[pyo3(signature = (emitters, object, transfer, *, bounces))]
+#[allow(
+    clippy::needless_pass_by_value,
+    reason = "Python's arguments come by value"
+)]
+pub fn shade_direct_near<'py>(
+    py: Python<'py>,
+    emitters: &Bound<'py, Emitters>,
+    object: Object<'py>,
+    transfer: Arrays<'py>,
+    bounces: u32,
+) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    let (transfer, world) = (transfer.made()?, object.world()?);
+    if world.positions.len() != transfer.vertex_count() {
+        let what = "not as many as transfer.positions";
+        return Err(failure::value("transfer.vectors", what));
+    }
+    let placed = emitters.get().placed();
+    long(py, move || {
+        let placed = placed();
+        let split = Split::new(&world, &placed);
+        let outside = split.as_ref().map_or(&*placed, |split| &split.outside);
+        let light = light_at_vertices(&world.positions, outside, transfer.order);
+        let enclosed = split.map(|split| {
+            Enclosure::new(&world)
+                .light(&split.inside, &transfer)
+                .direct
+        });
+        let light = IncidentLight::PerVertex(light);
+        shade::bounced_with(&transfer, &light, enclosed.as_ref(), bounces)
+    })
+}
+
+fn long<'py>(
+    py: Python<'py>,
+    work: impl FnOnce() -> Result<SideRadiance, BounceError> + Send + 'static,
+) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let pool = work::pool()?;
-    let work = move || pool.install(|| relume::shade::bounced(&transfer, &light, bounces));
+    let work = move || pool.install(work);
     let radiance = work::long(py, &Arc::new(AtomicBool::new(false)), work)?;
     let radiance = radiance.map_err(|error| failure::value("bounces", error))?;
+    let count = radiance.front.len();
     PyArray1::from_vec(py, radiance.front.into_flattened()).reshape([count, 3])
+}
+
+impl Arrays<'_> {
+    fn made(&self) -> PyResult<Transfer> {
+        let mut transfer = vectors("transfer.vectors", &self.vectors)?;
+        let count = transfer.vertex_count();
+        transfer.valid = self.valid.as_slice()?.to_vec();
+        if transfer.valid.len() != count {
+            return Err(failure::value("transfer.valid", "not one for each vertex"));
+        }
+        transfer.back = back(&transfer, &self.back_vertices, &self.back_vectors)?;
+        let gather = Gather {
+            channels: self.weights.shape()[1],
+            starts: self.starts.as_slice()?.to_vec(),
+            columns: self.columns.as_slice()?.to_vec(),
+            weights: self.weights.as_slice()?.to_vec(),
+        };
+        gather
+            .check(count + self.back_vertices.len())
+            .map_err(|what| failure::value("transfer", format!("{what}; bake it again")))?;
+        transfer.gather = Some(gather);
+        Ok(transfer)
+    }
+}
+
+impl Object<'_> {
+    fn world(&self) -> PyResult<World> {
+        let scene = bake::scene(Triangles {
+            positions: rows("transfer.positions", &self.positions)?,
+            triangles: rows("transfer.faces", &self.faces)?,
+            normals: self
+                .normals
+                .as_ref()
+                .map(|normals| rows("transfer.normals", normals))
+                .transpose()?,
+            // Light is found, not reflected.
+            albedo: Albedo::Uniform([1.0; 3]),
+            double_sided: self.double_sided,
+        })?;
+        Ok(World::new(&scene))
+    }
 }
 
 /// The sides behind double-sided surfaces; `None` without any.

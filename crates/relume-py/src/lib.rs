@@ -21,7 +21,7 @@ mod _relume {
     #[pymodule_export]
     use super::bake::bake;
     #[pymodule_export]
-    use super::direct::{bake_direct, shade_direct};
+    use super::direct::{bake_direct, shade_direct, shade_direct_near};
     #[pymodule_export]
     use super::emitters::{emitter_poses, emitters, load_emitters, set_pose};
     #[pymodule_export]
@@ -29,7 +29,7 @@ mod _relume {
     #[pymodule_export]
     use super::light::light;
     #[pymodule_export]
-    use super::near::{incident, light_at, read_light, sampled_light_at, write_light};
+    use super::near::{enclosed, incident, light_at, read_light, sampled_light_at, write_light};
     #[pymodule_export]
     use super::shade::shade;
 

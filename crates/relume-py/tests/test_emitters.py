@@ -255,6 +255,36 @@ def test_the_whole_flow_gives_the_radiance_of_the_program(tmp_path, lamps):
         np.testing.assert_array_equal(a["radiance"], b["radiance"])
 
 
+@pytest.mark.parametrize("double_sided", [False, True])
+def test_lamps_within_the_object_are_seen_from_where_they_stand(tmp_path, double_sided):
+    vertices, faces = box(0.6, 0.8, 0.7, lid=False)
+    middle = [float(x) for x in vertices.mean(axis=0)]
+    lamp = {"emitters": [{"name": "lantern", "sphere": 0.02, "position": middle, "radiance": [900, 700, 500]}, *LAMPS["emitters"]]}
+    (tmp_path / "lamp.json").write_text(json.dumps(lamp))
+    emitters = relume.Emitters.load(tmp_path / "lamp.json")
+    common = dict(samples=64, albedo=(0.8, 0.5, 0.3), double_sided=double_sided)
+    direct = relume.bake(vertices, faces, **common, gather=True)
+    lit = relume.shade(direct, emitters, albedo=common["albedo"], bounces=1)
+    if not double_sided:
+        write_obj(tmp_path / "box.obj", vertices, faces)
+        program.relume("bake", tmp_path / "box.obj", "-o", tmp_path / "box.glb", "--samples", 64, "--gather", "--albedo", "0.8,0.5,0.3")
+        program.relume("shade", tmp_path / "box.glb", "--emitters", tmp_path / "lamp.json", "--bounces", 1, "-o", tmp_path / "box.npz")
+        with np.load(tmp_path / "box.npz") as theirs:
+            assert theirs["radiance"].tobytes() == lit.tobytes()
+    # On the floor below it: π sin²σ cos θ / π of a small ball's radiance.
+    alone = relume.Emitters([relume.Emitter(relume.Sphere(0.02), (900, 700, 500), pose=pose(middle))])
+    found = relume.shade(direct, alone)
+    apart = np.asarray(middle) - vertices
+    distance = np.linalg.norm(apart, axis=1)
+    floor = np.isclose(vertices[:, 1], vertices[:, 1].min()) & (np.abs(vertices[:, [0, 2]] - np.take(middle, [0, 2])).max(axis=1) < 0.2)
+    assert floor.any()
+    expected = 900 * (0.02 / distance) ** 2 * apart[:, 1] / distance
+    np.testing.assert_allclose(found[floor, 0], expected[floor], rtol=1e-5)
+    glossy = relume.bake(vertices, faces, samples=64, order=3, transfer="glossy", transfer_order=3)
+    with pytest.raises(ValueError, match=r"light: emitter 'lantern' reaches into the convex hull"):
+        relume.shade(glossy, emitters, eye=(0, 3, 3))
+
+
 def test_a_few_samples_are_nearly_the_exact_light():
     vertices, faces = icosphere(3)
     transfer = relume.bake(vertices, faces, samples=64, order=4)

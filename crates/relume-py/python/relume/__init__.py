@@ -230,7 +230,8 @@ def bake(
         result = GlossyTransfer(matrices, valid, points, made, own, how)
     elif gather:
         (vectors, valid, behind, backs), operator, repairs = _relume.bake_direct(*arrays, **options)
-        result = DirectTransfer(vectors, valid, points, behind, backs, *operator)
+        shape = (points, arrays[1], options["normals"], options["double_sided"])
+        result = DirectTransfer(vectors, valid, *shape, behind, backs, *operator)
     else:
         vectors, valid, repairs = _relume.bake(*arrays, bounces=folded, **options)
         result = (vectors, valid) if return_valid else vectors
@@ -310,7 +311,8 @@ def shade(
     transfer  [V, C, n²], from `relume.bake` or `transfer` of `relume export`; or a `relume.GlossyTransfer`, or a `relume.DirectTransfer`.
     light     [m², 3], from `relume.light`; or [V, m², 3], one for each vertex, from `Emitters.light_at`, for transfer without bounces. Of a higher order than
               the transfer it is cut off, of a lower one padded with zeros. With a GlossyTransfer or a DirectTransfer also `relume.Emitters`, whose
-              light is found at its vertices.
+              light is found at its vertices. With a DirectTransfer they may stand anywhere, as lamps in a room do; else outside the object's convex hull:
+              transfer knows what is in the way, not how far away it is.
     albedo    the receivers' own, linear, in 0…1: a number, three, or [V, 3]. None leaves it out: radiance for a white surface. A glossy transfer has
               its own.
     eye       [3], only and always with a glossy transfer: where it is seen from. What turns its back to it is black; nothing hides anything.
@@ -335,7 +337,10 @@ def shade(
         arrays = _arguments.direct(transfer)
         vectors = arrays["vectors"]
         count = _arguments.integer("bounces", bounces, 0, _arguments.MAX_BOUNCES)
-        radiance = _relume.shade_direct(_light(light, transfer.positions, vectors), bounces=count, **arrays)
+        if isinstance(light, Emitters):
+            radiance = _relume.shade_direct_near(light._native, _arguments.triangles(transfer, len(vectors)), arrays, bounces=count)
+        else:
+            radiance = _relume.shade_direct(_light(light, None, vectors), arrays, bounces=count)
     else:
         vectors = _arguments.transfer(transfer)
         radiance = _relume.shade(vectors, _light(light, None, vectors))
@@ -350,6 +355,12 @@ def _light(light: ArrayLike | Emitters, positions: ArrayLike | None, transfer: N
         if positions is None:
             raise ValueError("light: transfer vectors do not say where vertices stand; give emitters.light_at(vertices)")
         points = _arguments.per_vertex("positions", positions, len(transfer))
+        within = _relume.enclosed(light._native, points)
+        if within is not None:
+            raise ValueError(
+                f"light: emitter {within!r} reaches into the convex hull of the object, and a glossy transfer does not say what is in its way; "
+                "move it outside, or bake with gather=True instead"
+            )
         light = light.light_at(points, order=math.isqrt(transfer.shape[-1]))
     made = _arguments.light_for(light, len(transfer))
     _arguments.unfolded("transfer", transfer, made)

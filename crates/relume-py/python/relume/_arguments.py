@@ -168,11 +168,22 @@ def direct(value: DirectTransfer) -> dict[str, NDArray[Any]]:
         raise ValueError(f"transfer.weights: has the shape {shape(weights)}; give an array [E, 1 or 3] of floats")
     return {
         "vectors": vectors,
+        "valid": flags("transfer.valid", value.valid, len(vectors)),
         "back_vertices": _indices("transfer.back_vertices", value.back_vertices, np.uint32),
         "back_vectors": _vectors("transfer.back_vectors", value.back_vectors),
         "starts": _indices("transfer.starts", value.starts, np.uint64),
         "columns": _indices("transfer.columns", value.columns, np.uint32),
         "weights": floats("transfer.weights", weights),
+    }
+
+
+def triangles(value: DirectTransfer, vertex_count: int) -> dict[str, Any]:
+    """The object of a direct transfer."""
+    return {
+        "positions": per_vertex("transfer.positions", value.positions, vertex_count),
+        "faces": faces(value.faces, vertex_count),
+        "normals": normals(value.normals, vertex_count),
+        "double_sided": bool(value.double_sided),
     }
 
 

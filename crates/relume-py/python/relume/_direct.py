@@ -17,6 +17,9 @@ class DirectTransfer:
     vectors        float32 [V, 1, n²]: direct transfer of the fronts, as `relume.bake` gives it without bounces.
     valid          bool [V]: False where a vertex lies inside something and its row was filled from its neighbours.
     positions      float32 [V, 3].
+    faces          uint32 [F, 3].
+    normals        float32 [V, 3], as they were given; None without.
+    double_sided   whether the backs of faces reflect.
     back_vertices  uint32 [B], ascending: the vertices that have a back side.
     back_vectors   float32 [B, 1, n²]: direct transfer of these.
     starts         int64 [V + B + 1]: entries starts[i] … starts[i + 1] − 1 of the gather operator are row i.
@@ -29,6 +32,9 @@ class DirectTransfer:
     vectors: NDArray[np.float32]
     valid: NDArray[np.bool_]
     positions: NDArray[np.float32]
+    faces: NDArray[np.uint32]
+    normals: NDArray[np.float32] | None
+    double_sided: bool
     back_vertices: NDArray[np.uint32]
     back_vectors: NDArray[np.float32]
     starts: NDArray[np.int64]

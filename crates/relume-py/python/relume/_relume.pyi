@@ -1,6 +1,7 @@
 """The native half: arguments are checked and laid out by `relume`, which is what to use."""
 
 from os import PathLike
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,6 +58,7 @@ def emitters(entries: list[Entry]) -> _Emitters: ...
 def load_emitters(path: str) -> tuple[_Emitters, list[str]]: ...
 def emitter_poses(emitters: _Emitters) -> list[tuple[str, list[float]]]: ...
 def set_pose(emitters: _Emitters, emitter: int, pose: NDArray[np.float64]) -> None: ...
+def enclosed(emitters: _Emitters, positions: NDArray[np.float32]) -> str | None: ...
 def light_at(emitters: _Emitters, positions: NDArray[np.float32], *, order: int) -> NDArray[np.float32]: ...
 def sampled_light_at(
     emitters: _Emitters,
@@ -88,15 +90,10 @@ def light(
 ) -> tuple[NDArray[np.float32], list[str]]: ...
 def shade(transfer: NDArray[np.float32], light: NDArray[np.float32]) -> NDArray[np.float32]: ...
 def shade_direct(
-    light: NDArray[np.float32],
-    *,
-    vectors: NDArray[np.float32],
-    back_vertices: NDArray[np.uint32],
-    back_vectors: NDArray[np.float32],
-    starts: NDArray[np.uint64],
-    columns: NDArray[np.uint32],
-    weights: NDArray[np.float32],
-    bounces: int,
+    light: NDArray[np.float32], transfer: dict[str, NDArray[Any]], *, bounces: int
+) -> NDArray[np.float32]: ...
+def shade_direct_near(
+    emitters: _Emitters, object: dict[str, Any], transfer: dict[str, NDArray[Any]], *, bounces: int
 ) -> NDArray[np.float32]: ...
 def shade_glossy(
     matrices: NDArray[np.float32], light: NDArray[np.float32], *, eye: tuple[float, float, float], surfaces: _Surfaces

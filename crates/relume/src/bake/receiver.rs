@@ -40,6 +40,8 @@ struct Lift {
 /// One place that light arrives at.
 #[derive(Clone, Copy)]
 pub struct Receiver {
+    /// The vertex.
+    pub position: Vec3,
     /// Where its rays start: off the surface along the normal.
     pub origin: Vec3,
     /// The side it looks to.
@@ -92,6 +94,7 @@ impl<'w> Receivers<'w> {
         let lift = self.lifts[vertex as usize];
         let origin = position + lift.aside + normal * lift.up;
         Receiver {
+            position,
             origin,
             normal,
             seed: vertex_seed(position, normal, seed),

@@ -1,9 +1,8 @@
 //! Whether an emitter stands clear of the convex hull of an object.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::light::emitter::{Ball, Placed};
-use crate::scene::World;
 
 /// Steps toward a plane between the two; what is not found apart by then all but touches.
 const STEPS: usize = 64;
@@ -14,21 +13,16 @@ const FACES: usize = 16;
 /// As a share of the object's size: what is nearer touches.
 const TOUCHES: f64 = 1e-6;
 
-/// The points that triangles use.
+/// The points of an object.
 pub struct Hull {
     points: Vec<DVec3>,
     size: f64,
 }
 
 impl Hull {
-    /// `None` of a world without triangles.
-    pub fn new(world: &World) -> Option<Self> {
-        let mut used = vec![false; world.positions.len()];
-        for &corner in world.triangles.iter().flatten() {
-            used[corner as usize] = true;
-        }
-        let points = world.positions.iter().zip(used).filter(|(_, used)| *used);
-        let points: Vec<DVec3> = points.map(|(point, _)| point.as_dvec3()).collect();
+    /// `None` without points.
+    pub fn new(points: &[Vec3]) -> Option<Self> {
+        let points: Vec<DVec3> = points.iter().map(|point| point.as_dvec3()).collect();
         let size = Ball::around(points.iter().copied()).radius;
         (!points.is_empty()).then_some(Self { points, size })
     }

@@ -18,6 +18,8 @@ mod points;
 #[cfg(test)]
 mod tests;
 
+use glam::Vec3;
+
 use super::{SideRadiance, TransferredRadiance};
 use crate::asset::Transfer;
 use crate::bake::trace::Tracer;
@@ -28,6 +30,7 @@ use crate::scene::{World, WorldRef};
 
 use arrive::{Arriving, Sight, Work};
 use fit::Fit;
+use hull::Hull;
 use points::Points;
 
 /// Numbers of a side before its coefficients.
@@ -50,7 +53,18 @@ pub struct Split {
 impl Split {
     /// `None` where no emitter that shines reaches into the hull of the world's triangles, or touches it.
     pub fn new(world: &World, placed: &Placed) -> Option<Self> {
-        let hull = hull::Hull::new(world)?;
+        let mut used = vec![false; world.positions.len()];
+        for &corner in world.triangles.iter().flatten() {
+            used[corner as usize] = true;
+        }
+        let points = world.positions.iter().zip(used).filter(|(_, used)| *used);
+        let points: Vec<Vec3> = points.map(|(point, _)| *point).collect();
+        Self::of_points(&points, placed)
+    }
+
+    /// [`Self::new`] by the hull of some points.
+    pub fn of_points(points: &[Vec3], placed: &Placed) -> Option<Self> {
+        let hull = Hull::new(points)?;
         let shines = placed.shining();
         let enclosed: Vec<usize> = (0..placed.emitters().len())
             .filter(|&emitter| shines[emitter] && !hull.is_apart(placed, emitter))

@@ -65,7 +65,7 @@ impl Part {
 
     /// `None` where nothing of it can be seen.
     pub fn seen(&self, placed: &Placed, receiver: &Receiver) -> Option<Seen<'_>> {
-        let (at, normal) = (receiver.origin.as_dvec3(), receiver.normal.as_dvec3());
+        let (at, normal) = (receiver.position.as_dvec3(), receiver.normal.as_dvec3());
         let (irradiance, radiance) = match self {
             Self::Polygon(i, _) => {
                 let polygon = &placed.polygons()[*i];

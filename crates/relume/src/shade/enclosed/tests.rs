@@ -215,7 +215,7 @@ fn what_is_seen_whole_is_exact_and_may_lie_on_a_wall() {
         let mut lit = 0;
         for (vertex, found) in found.iter().enumerate() {
             let receiver = receivers.get(receivers.front[vertex] as usize, 0);
-            let origin = receiver.origin.as_dvec3();
+            let origin = receiver.position.as_dvec3();
             if receiver.normal != Vec3::Y {
                 continue;
             }
