@@ -99,6 +99,14 @@ fn lamps_within_the_object_light_it() {
 }
 
 #[test]
+fn the_lanterns_of_the_readme_are_emitters() {
+    let file =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/lanterns.json");
+    let (emitters, warnings) = relume::light::emitter::load(&file).unwrap();
+    assert_eq!((emitters.emitters().len(), warnings.len()), (5, 0));
+}
+
+#[test]
 fn bounces_are_gathered_when_light_varies() {
     let bench = lit("--order 4 --gather");
     bench.succeed("shade baked.glb --emitters lamps.json -o direct.npz");

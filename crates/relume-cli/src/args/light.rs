@@ -15,7 +15,7 @@ pub struct LightArgs {
     /// The light: an image (.hdr, .exr, .dds, .pfm, …), six faces 'sky_{px,nx,py,ny,pz,nz}.hdr', a light.json, a light.npz, constant:R,G,B, sun:X,Y,Z,DEG,R,G,B or sky:ELEVATION,TURBIDITY
     #[arg(long = "light", value_name = "ENV")]
     pub env: Option<EnvSpec>,
-    /// Lights that stand near: an emitters.json (docs/format.md), or a .glb or .gltf, of which what is emissive shines
+    /// Lights that stand near, or within the asset: an emitters.json (docs/format.md), or a .glb or .gltf, of which what is emissive shines
     #[arg(long, value_name = "FILE")]
     pub emitters: Option<PathBuf>,
     /// Interreflections of an asset that was baked with --bounces 0 --gather, under whatever light
