@@ -16,7 +16,7 @@ impl Renderer {
     /// Light is that of `relume::light::emitter::light_at_vertices` at the order of the transfer. Its plain faces are summed by the device for each side of a
     /// vertex, in f32, places being differences to the middle of the scene: a vertex closer to a face than 1e-4 of the scene's size sees it less exactly.
     /// Only the faces are uploaded. The rest (what may be hidden, has an exponent or a pattern within a face, spheres, all above order 10) is found on the CPU
-    /// and uploaded as light by vertex; of a glossy scene everything is.
+    /// and uploaded as light by vertex; of a glossy scene everything is. Transfer holds for emitters outside the scene's hull: see `relume::shade::Split`.
     ///
     /// # Errors
     /// No scene, or more faces than a texture has room for; what was there stays.

@@ -161,7 +161,7 @@ impl<'a> ExactParts<'a> {
 ///
 /// Plain faces ([`ExactParts`]), and spheres that nothing hides, are summed in f32, for a vector of vertices at a time: against [`ClosedForm`] within
 /// 1e-5 of the largest coefficient. The rest is as [`ClosedForm`] has it. The same bytes for any number of threads and every
-/// instruction set.
+/// instruction set. Transfer of an object holds for it where emitters stand outside the object's convex hull (`shade::Split`).
 pub fn light_at_vertices(positions: &[Vec3], placed: &Placed, order: Order) -> VertexLight {
     light_with(Level::best(), positions, placed, order)
 }
