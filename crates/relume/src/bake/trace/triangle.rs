@@ -257,9 +257,12 @@ pub fn weights(corners: [Vec3; 3], origin: Vec3, direction: Vec3) -> (f32, f32, 
     let (e, sum) = exact_edges(corners, direction.as_dvec3());
     let front = exact_height(corners) < 0.0;
     // Rounding may leave a point on an edge outside; what is gathered there takes no negative share. A triangle seen edge on leaves all to its first corner.
-    let u = ((e[1] / sum) as f32).max(0.0).min(1.0);
-    let v = ((e[2] / sum) as f32).max(0.0).min(1.0 - u);
-    (u, v, front)
+    let share = |e: f64, most: f32| match sum {
+        0.0 => 0.0,
+        _ => ((e / sum) as f32).clamp(0.0, most),
+    };
+    let u = share(e[1], 1.0);
+    (u, share(e[2], 1.0 - u), front)
 }
 
 /// `(b − a) × (c − a) · a`: negative where the front faces the origin.

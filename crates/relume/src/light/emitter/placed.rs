@@ -192,6 +192,7 @@ impl Placed {
     }
 
     /// For each emitter, whether it does more than block.
+    #[cfg(feature = "bake")]
     pub(crate) fn shining(&self) -> Vec<bool> {
         let mut shines = vec![false; self.sources.len()];
         let polygons = self.polygons.iter().filter(|polygon| !polygon.is_black());
