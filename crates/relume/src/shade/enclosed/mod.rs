@@ -83,7 +83,7 @@ impl Split {
     }
 }
 
-/// Direct light of emitters within an object's hull, at its sides.
+/// Direct light of emitters within an object's hull, at its sides: linear Rec. 709, in the units of the emitters' radiance.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EnclosedLight {
     /// Transferred radiance: irradiance / π, without the receiver's albedo.
@@ -114,8 +114,9 @@ impl<'w> Enclosure<'w> {
 
     /// What arrives of emitters at every side that `transfer` has.
     ///
-    /// Exact to rounding for diffuse emitters of one radiance that are seen whole; where something is before them, or the pattern varies, the share that is
-    /// seen comes of at most 256 rays for each vertex and all emitters (1 for each face at least). Buried vertices take their neighbours' light.
+    /// Exact to rounding for diffuse emitters of one radiance that are seen whole [arvo1994, snyder1996]; where something is before them, or the pattern varies,
+    /// the share that is seen comes of rays to up to 256 points of each face or sphere, fewer where it is a smaller part of all light, 1 at least. Buried
+    /// vertices take their neighbours' light.
     pub fn light(&self, placed: &Placed, transfer: &Transfer) -> EnclosedLight {
         let order = transfer.matrices.as_ref().map(|matrices| matrices.order);
         let fit = order.map(Fit::new);

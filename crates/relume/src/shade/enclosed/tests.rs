@@ -19,6 +19,10 @@ use crate::reference::{
 use crate::scene::{Scene, World, bundled};
 use crate::shade::{BounceError, bounced_with};
 
+/// Edges of shadows are known to one in 64 to 256 points, at few of the vertices, and the gather operator of 1024 rays scatters as much; paths' noise, below
+/// 0.2 %, is subtracted.
+const OFF: f64 = 0.01;
+
 fn lamp(shape: Shape, radiance: [f32; 3], pose: DAffine3) -> Emitter {
     Emitter {
         name: "lamp".to_owned(),
@@ -109,7 +113,7 @@ fn in_a_closed_room_light_is_that_of_paths() {
     ];
     for bounces in [0, 3] {
         let found = against_paths(&bundled::room(8, 0.6), lamps.clone(), bounces);
-        assert!(found.relative_rms.value < 0.01, "{found:?}");
+        assert!(found.relative_rms.value < OFF, "{found:?}");
     }
 }
 
@@ -121,7 +125,7 @@ fn shadows_within_the_hull_are_those_of_paths() {
     let aside = panel(0.3, [40.0, 20.0, 10.0], [1.0, 0.5, 0.0], DVec3::NEG_X);
     let low = ball(0.15, [6.0; 3], [-0.7, 0.3, 0.1]);
     let found = against_paths(&scene, vec![up, aside, low], 0);
-    assert!(found.relative_rms.value < 0.01, "{found:?}");
+    assert!(found.relative_rms.value < OFF, "{found:?}");
 }
 
 #[test]
@@ -137,7 +141,7 @@ fn emitters_of_every_kind_hide_one_another() {
     both.shape = Shape::Mesh(EmitterMesh::disc(0.3));
     let black = panel(0.5, [0.0; 3], [0.1, 0.3, 0.1], DVec3::Y);
     let found = against_paths(&bundled::room(8, 0.5), vec![slope, blocks, both, black], 0);
-    assert!(found.relative_rms.value < 0.01, "{found:?}");
+    assert!(found.relative_rms.value < OFF, "{found:?}");
 }
 
 #[test]
