@@ -4,8 +4,9 @@ use glam::Vec3;
 
 use super::buried::is_buried;
 use super::directions::{Directions, Net, PROBES, Set, Values, stride};
+use super::met::facing_receivers;
 use super::operator::{Merger, Rows};
-use super::receiver::{NO_BACK, Receiver, Receivers};
+use super::receiver::{Receiver, Receivers};
 use super::trace::{Hit, Occluders, Rays, Tracer};
 use crate::basis::{Euler, EulerRotation, Order};
 use crate::scene::World;
@@ -225,7 +226,8 @@ impl Scratch {
     /// Adds to the operator's row what surfaces the rays met, and how they reflect.
     fn add_reflections(&mut self, stage: &Stage) {
         for (i, hit) in self.hits.iter().enumerate() {
-            let Some(corners) = facing_receivers(stage, hit, self.rays.get(i)) else {
+            let ray = self.rays.get(i);
+            let Some(corners) = facing_receivers(stage.world, stage.receivers, hit, ray) else {
                 continue;
             };
             let weights = hit.weights();
@@ -359,30 +361,4 @@ fn add_scaled<L: Lanes>(sums: &mut [f32], values: &[f32], weight: f32) {
         sums[at] += values[at] * weight;
         at += 1;
     }
-}
-
-/// The receivers at the corners of a hit triangle on the side the ray met; `None` where nothing is reflected.
-///
-/// The side is that of the interpolated shading normal, as the transfer it reflects was gathered about such normals. By the triangle's
-/// plane, a ray that leaves a dented vertex just above its tangent plane would meet the fronts of the vertex's own triangles at once
-/// and bring back the vertex's own light: on a scanned figure, a sixth of all that bounces.
-pub fn facing_receivers(stage: &Stage, hit: &Hit, direction: Vec3) -> Option<[u32; 3]> {
-    if !hit.is_hit() {
-        return None;
-    }
-    let world = stage.world;
-    let normal = world.interpolate(hit.triangle, hit.weights(), |i| world.normals[i]);
-    let side = if normal.dot(direction) < 0.0 {
-        &stage.receivers.front
-    } else if world.material(hit.triangle).double_sided {
-        &stage.receivers.behind
-    } else {
-        return None;
-    };
-    let receivers = world.triangles[hit.triangle as usize].map(|i| side[i as usize]);
-    debug_assert!(
-        !receivers.contains(&NO_BACK),
-        "double-sided surfaces have receivers behind them"
-    );
-    Some(receivers)
 }

@@ -19,6 +19,7 @@ mod directions;
 mod engine;
 mod gather;
 mod matrices;
+mod met;
 mod operator;
 mod options;
 mod passes;
@@ -31,7 +32,10 @@ pub mod tile;
 pub mod trace;
 
 pub(crate) use buried::Filling;
+pub(crate) use directions::{Directions, Net, Plan, Values, stride};
 pub use engine::Engine;
+pub(crate) use gather::Turn;
+pub(crate) use met::{Met, facing_receivers};
 pub use options::{BakeError, BakeOptions, Monitor, Need, Progress};
 pub use passes::Report;
 pub(crate) use receiver::{Receiver, Receivers};

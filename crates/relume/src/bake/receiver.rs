@@ -86,6 +86,11 @@ impl<'w> Receivers<'w> {
         self.places.len()
     }
 
+    /// The vertex whose front or back a receiver is.
+    pub fn vertex(&self, receiver: usize) -> u32 {
+        self.places[receiver].vertex
+    }
+
     pub fn get(&self, receiver: usize, seed: u64) -> Receiver {
         let Place { vertex, back } = self.places[receiver];
         let side = if back { -1.0 } else { 1.0 };

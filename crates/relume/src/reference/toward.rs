@@ -52,10 +52,10 @@ pub fn compare_outgoing(
     let Some(transferred) = TransferredRadiance::new(transfer, light) else {
         return Ok(None);
     };
-    compare_transferred(world, transfer, &transferred, sources, eye, options)
+    compare_transferred(world, transfer, &transferred, 0, sources, eye, options)
 }
 
-/// [`compare_outgoing`] of radiance that arrives at the sides that `transfer` has, however it was found.
+/// [`compare_outgoing`] of radiance that arrives at the sides that `transfer` has, however it was found, after so many `bounces` on top of the transfer's.
 ///
 /// # Errors
 /// [`Anisotropic`] where a BRDF does not turn with the view.
@@ -63,6 +63,7 @@ pub fn compare_transferred(
     world: &World,
     transfer: &Transfer,
     transferred: &TransferredRadiance,
+    bounces: u32,
     sources: &Sources<'_>,
     eye: DVec3,
     options: &CompareOptions,
@@ -75,7 +76,8 @@ pub fn compare_transferred(
     }
     let ours = outgoing.radiance(transfer, transferred, eye);
     let empty = World::default();
-    let (bounces, occluders) = what_is_counted(transfer, world, &empty);
+    let (folded, occluders) = what_is_counted(transfer, world, &empty);
+    let bounces = folded + bounces;
     let seen = sides.points(&chosen);
     let Some(surfaces) = material_surfaces(world) else {
         return Ok(None);

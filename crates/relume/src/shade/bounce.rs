@@ -4,8 +4,9 @@
 
 use thiserror::Error;
 
-use super::{transferred_radiance, transferred_radiance_back};
+use super::{TransferredRadiance, transferred_radiance, transferred_radiance_back};
 use crate::asset::{Gather, Transfer, TransferKind};
+use crate::brdf::Anisotropic;
 use crate::light::IncidentLight;
 
 /// Transferred radiance (irradiance / π, without the receiver's albedo) of every side, linear Rec. 709.
@@ -23,7 +24,7 @@ pub struct SideRadiance {
 pub enum BounceError {
     /// Its vectors count bounces already.
     #[error(
-        "it was baked with bounces, which hold for distant light alone; bake it with --bounces 0 --gather, and ask for bounces here"
+        "it was baked with bounces, which hold for distant light alone; bake it with --bounces 0 (and --gather, where it is diffuse), and ask for bounces here"
     )]
     Folded,
     /// It does not say how light bounces on.
@@ -31,9 +32,25 @@ pub enum BounceError {
     NoGather,
     /// Its surfaces are glossy.
     #[error(
-        "bounces of light that varies over the object are of diffuse assets; bake without --transfer glossy, or leave --bounces out"
+        "its surfaces are glossy, so that light bounces by their BRDFs: by shade::GlossyBounces"
     )]
     Glossy,
+    /// Its surfaces are diffuse.
+    #[error(
+        "it has no transfer matrices to make glossy bounces of; bake it with --transfer glossy"
+    )]
+    NoMatrices,
+    /// Nothing stands before anything in it.
+    #[error(
+        "it was baked without shadows, so light does not bounce in it; bake it with shadows, or leave --bounces out"
+    )]
+    Unshadowed,
+    /// A BRDF that transferred radiance is not for.
+    #[error(transparent)]
+    Anisotropic(#[from] Anisotropic),
+    /// [`crate::bake::Monitor::cancelled`] was set.
+    #[error("cancelled")]
+    Cancelled,
 }
 
 /// Transferred radiance after `bounces` interreflections under any light: E₀ = T₀ l, then E₀ + G E₀ + … + Gᵏ E₀.
@@ -58,11 +75,7 @@ pub fn bounced_with(
     direct: Option<&SideRadiance>,
     bounces: u32,
 ) -> Result<SideRadiance, BounceError> {
-    let folded = matches!(transfer.kind, TransferKind::Shadowed { bounces: 1.. });
-    let varies = direct.is_some() || !matches!(light, IncidentLight::Distant(_));
-    if folded && (varies || bounces > 0) {
-        return Err(BounceError::Folded);
-    }
+    check(transfer, light, direct.is_some(), bounces)?;
     let mut sides = SideRadiance {
         front: transferred_radiance(transfer, light),
         back: transferred_radiance_back(transfer, light),
@@ -83,6 +96,38 @@ pub fn bounced_with(
         sides.add(&last);
     }
     Ok(sides)
+}
+
+/// What arrives at the sides of a glossy asset, bounces not counted: T₀ l + `direct`; `None` of a diffuse one.
+///
+/// # Errors
+/// [`BounceError::Folded`] where light varies by vertex or object and bounces are folded into the transfer.
+pub fn transferred_with(
+    transfer: &Transfer,
+    light: &IncidentLight,
+    direct: Option<&TransferredRadiance>,
+) -> Result<Option<TransferredRadiance>, BounceError> {
+    check(transfer, light, direct.is_some(), 0)?;
+    let mut transferred = TransferredRadiance::new(transfer, light);
+    if let Some((sum, direct)) = transferred.as_mut().zip(direct) {
+        sum.add(direct);
+    }
+    Ok(transferred)
+}
+
+/// Whether transfer holds for the light; `more`, that there is light which it has no part in.
+fn check(
+    transfer: &Transfer,
+    light: &IncidentLight,
+    more: bool,
+    bounces: u32,
+) -> Result<(), BounceError> {
+    let folded = matches!(transfer.kind, TransferKind::Shadowed { bounces: 1.. });
+    let varies = more || !matches!(light, IncidentLight::Distant(_));
+    match folded && (varies || bounces > 0) {
+        true => Err(BounceError::Folded),
+        false => Ok(()),
+    }
 }
 
 impl SideRadiance {

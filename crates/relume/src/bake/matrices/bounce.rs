@@ -5,10 +5,11 @@ use glam::Vec3;
 use super::Plan;
 use super::kernel::{Collect, Emit, Touch};
 use crate::bake::directions::{Net, Values, stride};
-use crate::bake::gather::{Found, Stage, Turn, facing_receivers};
+use crate::bake::gather::{Found, Stage, Turn};
+use crate::bake::met::{Met, facing_receivers};
 use crate::bake::trace::{Hit, Rays};
 use crate::basis::{Euler, EulerRotation};
-use crate::brdf::{Scratch, seen_from_above};
+use crate::brdf::Scratch;
 
 /// Numbers between one row of light coefficients and the next: whole vectors of any instruction set.
 const WIDEST: usize = 16;
@@ -127,7 +128,8 @@ impl<'a> Bounce<'a> {
         self.o.clear();
         for ray in 0..self.hits.len() {
             let (hit, direction) = (self.hits[ray], self.rays.get(ray));
-            let Some(corners) = facing_receivers(self.stage, &hit, direction) else {
+            let (world, receivers) = (self.stage.world, self.stage.receivers);
+            let Some(corners) = facing_receivers(world, receivers, &hit, direction) else {
                 continue;
             };
             let slot = self.slots.len() as u32;
@@ -144,20 +146,12 @@ impl<'a> Bounce<'a> {
     /// Appends o of the surface hit, toward `view`.
     fn outgoing(&mut self, hit: &Hit, view: Vec3) {
         let world = self.stage.world;
-        let point = world.shading_point(hit.triangle, hit.weights());
-        let view = view.as_dvec3().normalize();
-        // The side that the ray met, whatever a normal map says.
-        let smooth = world.interpolate(hit.triangle, hit.weights(), |i| world.normals[i]);
-        let normal = if smooth.as_dvec3().dot(view) < 0.0 {
-            -point.normal.as_dvec3()
-        } else {
-            point.normal.as_dvec3()
-        };
+        let met = Met::new(world, hit, view);
         let material = world.triangle_materials[hit.triangle as usize];
         self.plan.reflectors[material as usize].toward(
-            &point.finish(),
-            normal,
-            seen_from_above(normal, view),
+            &met.finish,
+            met.normal,
+            met.view,
             &mut self.reflecting,
             &mut self.o_exact,
         );

@@ -196,7 +196,7 @@ fn glossy_surfaces_show_enclosed_emitters_as_paths_do() {
         ..CompareOptions::default()
     };
     let eye = DVec3::new(2.0, 2.5, 3.0);
-    let found = compare_transferred(&world, &transfer, &arriving, &sources, eye, &options);
+    let found = compare_transferred(&world, &transfer, &arriving, 0, &sources, eye, &options);
     let found = found.unwrap().unwrap();
     println!(
         "toward an eye: {:.2} % relative RMS, bias {:.2} %",
