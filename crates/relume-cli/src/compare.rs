@@ -15,7 +15,7 @@ use relume::scene::{Material, World};
 use crate::args::CompareArgs;
 use crate::failure::Failure;
 use crate::inputs::{self, check_extension, check_output, shown};
-use crate::lights::{self, Lights};
+use crate::lights::{self, Lights, Shaded};
 use crate::{json, progress};
 
 pub use picture::ErrorPicture;
@@ -34,7 +34,7 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
         let what = "diffuse surfaces look the same from everywhere; leave --eye out";
         return Err(Failure::new(format!("{}: {what}", shown(&args.asset))));
     }
-    let lights = Lights::open(&args.light, &asset, &world)?;
+    let lights = Lights::open(&args.light, &args.asset, &asset, &world)?;
     if args
         .light
         .env
@@ -52,16 +52,19 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
         distant: &radiance,
         emitters: lights.placed.as_ref(),
     };
+    let shaded = lights.lit().shaded(&asset.transfer);
+    let shaded =
+        shaded.map_err(|error| Failure::new(format!("{}: {error}", shown(&args.asset))))?;
     let spinner = progress::spinner("path tracing");
-    let comparison = compared(args, &world, &asset, &lights, &sources, &camera);
+    let comparison = compared(args, &world, &asset, (&lights, &shaded), &sources, &camera);
     spinner.finish_and_clear();
     let comparison = comparison?;
-    let lit = lights.lit();
     let picture = args.picture.as_ref().map(|path| {
         let shot = Shot {
             world: &world,
             transfer: &asset.transfer,
-            lit: &lit,
+            shaded: &shaded,
+            bounces: lights.bounces,
             sources: &sources,
             camera,
         };
@@ -93,7 +96,7 @@ fn compared(
     args: &CompareArgs,
     world: &World,
     asset: &Asset,
-    lights: &Lights,
+    (lights, shaded): (&Lights, &Shaded),
     sources: &Sources,
     camera: &Camera,
 ) -> Result<Comparison, Failure> {
@@ -110,36 +113,40 @@ fn compared(
             "{name}: every vertex is buried; nothing can be compared"
         ))
     };
-    let lit = lights.lit();
-    if lights.placed.is_some() || lights.bounces > 0 {
-        let sides = lit.shaded(transfer);
-        let sides = sides.map_err(|error| Failure::new(format!("{name}: {error}")))?;
-        if transfer.kind == TransferKind::Unshadowed {
-            let what = "emitters are compared on assets with shadows; bake it without --no-shadows";
-            return Err(Failure::new(format!("{name}: {what}")));
-        }
-        if transfer.matrices.is_none() {
+    if lights.placed.is_some() && transfer.kind == TransferKind::Unshadowed {
+        let what = "emitters are compared on assets with shadows; bake it without --no-shadows";
+        return Err(Failure::new(format!("{name}: {what}")));
+    }
+    let varies = lights.placed.is_some() || lights.bounces > 0;
+    let arriving = match shaded {
+        Shaded::Glossy(arriving) => arriving,
+        Shaded::Diffuse(sides) if varies => {
             let (valid, bounces) = (&transfer.valid, lights.bounces);
             let comparison =
                 reference::compare_radiance(world, valid, &sides.front, bounces, sources, &options);
             return comparison.ok_or_else(buried);
         }
-    } else if transfer.matrices.is_none() {
-        let comparison = reference::compare(world, transfer, &lights.distant, &options);
-        return comparison.ok_or_else(buried);
-    }
+        Shaded::Diffuse(_) => {
+            let comparison = reference::compare(world, transfer, &lights.distant, &options);
+            return comparison.ok_or_else(buried);
+        }
+    };
     let tile = |material: &Material| matches!(material.reflection, Reflection::Tile { .. });
     if world.materials.iter().any(tile) {
         let what = "its surfaces are covered with a tile, which paths do not know; compare one baked without";
         return Err(Failure::new(format!("{name}: {what}")));
     }
     let eye = camera.eye.as_dvec3();
-    let Some(arriving) = lit.transferred(transfer) else {
-        unreachable!("diffuse assets were compared above");
-    };
-    let comparison =
-        reference::compare_transferred(world, transfer, &arriving, sources, eye, &options)
-            .map_err(|error| Failure::new(format!("{name}: {error}")))?;
+    let comparison = reference::compare_transferred(
+        world,
+        transfer,
+        arriving,
+        lights.bounces,
+        sources,
+        eye,
+        &options,
+    );
+    let comparison = comparison.map_err(|error| Failure::new(format!("{name}: {error}")))?;
     let what = "no vertex but buried ones faces the eye; choose another --eye";
     comparison.ok_or_else(|| Failure::new(format!("{name}: {what}")))
 }

@@ -187,17 +187,14 @@ impl Studio<'_> {
             ..RaycastOptions::default()
         };
         let background = |direction: Vec3| light.environment.radiance(direction);
-        self.view
-            .picture(transfer, &Lit::distant(&light.sh), &background, &options)
+        let shaded = Lit::distant(&light.sh).shaded(transfer)?;
+        self.view.picture(transfer, &shaded, &background, &options)
     }
 
     fn exposure(&self, light: &Light) -> Result<f32, Failure> {
-        self.view.exposure(
-            Exposure::Auto,
-            &self.asset.transfer,
-            &Lit::distant(&light.sh),
-            SMALL,
-        )
+        let transfer = &self.asset.transfer;
+        let shaded = Lit::distant(&light.sh).shaded(transfer)?;
+        self.view.exposure(Exposure::Auto, transfer, &shaded, SMALL)
     }
 
     /// The same light, band-limited as the bake sees it, by paths from every pixel.

@@ -1,15 +1,18 @@
 //! What shines on an asset: distant light, light by vertex, and emitters.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
 use relume::asset::{self, Asset, Transfer, TransferKind};
+use relume::bake::Monitor;
 use relume::basis::Order;
 use relume::files::printable;
 use relume::light::emitter::{self, Placed};
 use relume::light::{EnvSpec, Environment, IncidentLight, ShLight, VertexLight};
 use relume::scene::World;
 use relume::shade::{
-    self, BounceError, EnclosedLight, Enclosure, SideRadiance, Split, TransferredRadiance,
+    self, BounceError, EnclosedLight, Enclosure, GlossyBounces, SideRadiance, Split,
+    TransferredRadiance,
 };
 
 use crate::args::{LightArgs, LightChange};
@@ -18,7 +21,7 @@ use crate::inputs::{self, shown, warn};
 use crate::progress;
 
 /// All light of a picture.
-pub struct Lights {
+pub struct Lights<'w> {
     /// Distant light as it came, for looking at; black without.
     pub environment: Environment,
     /// Distant light as the asset gets it.
@@ -31,6 +34,8 @@ pub struct Lights {
     pub enclosed: Option<EnclosedLight>,
     /// Interreflections that are added when it is shaded.
     pub bounces: u32,
+    /// How a glossy asset makes them, where some are wanted.
+    glossy: Option<GlossyBounces<'w>>,
 }
 
 /// The files that lights are read from.
@@ -39,9 +44,14 @@ pub fn paths(args: &LightArgs) -> Vec<PathBuf> {
     env.chain(args.emitters.clone()).collect()
 }
 
-impl Lights {
-    /// What the arguments name, for an asset.
-    pub fn open(args: &LightArgs, asset: &Asset, world: &World) -> Result<Self, Failure> {
+impl<'w> Lights<'w> {
+    /// What the arguments name, for the asset of the file `path`.
+    pub fn open(
+        args: &LightArgs,
+        path: &Path,
+        asset: &Asset,
+        world: &'w World,
+    ) -> Result<Self, Failure> {
         let order = asset.transfer.order;
         let mut lights = Self {
             environment: Environment::Constant([0.0; 3]),
@@ -50,14 +60,20 @@ impl Lights {
             placed: None,
             enclosed: None,
             bounces: args.bounces,
+            glossy: None,
         };
         if let Some(path) = args.env.as_ref().and_then(by_vertex) {
             lights.near = Some(asset::import_light(world, path)?);
         } else if let Some(env) = &args.env {
             lights.open_distant(env, &args.change, order)?;
         }
-        if let Some(path) = &args.emitters {
-            lights.open_emitters(path, asset, world)?;
+        if let Some(emitters) = &args.emitters {
+            lights.open_emitters(emitters, asset, world)?;
+        }
+        if args.bounces > 0 && asset.transfer.matrices.is_some() {
+            let bounces = GlossyBounces::new(world, &asset.transfer);
+            let named = |error| Failure::new(format!("{}: {error}", shown(path)));
+            lights.glossy = Some(bounces.map_err(named)?);
         }
         Ok(lights)
     }
@@ -93,55 +109,79 @@ impl Lights {
     }
 
     /// All of it, with `distant` for distant light.
-    pub fn with(&self, distant: &ShLight) -> Lit {
+    pub fn with(&self, distant: &ShLight) -> Lit<'_> {
         let light = match &self.near {
             Some(near) => IncidentLight::PerVertex(near.plus(distant)),
             None => IncidentLight::Distant(distant.clone()),
         };
         Lit {
             light,
-            enclosed: self.enclosed.clone(),
+            enclosed: self.enclosed.as_ref(),
             bounces: self.bounces,
+            glossy: self.glossy.as_ref(),
         }
     }
 
     /// All of it.
-    pub fn lit(&self) -> Lit {
+    pub fn lit(&self) -> Lit<'_> {
         self.with(&self.distant)
     }
 }
 
 /// Light on an asset, and how often it bounces when it is shaded.
-pub struct Lit {
-    pub light: IncidentLight,
-    pub enclosed: Option<EnclosedLight>,
-    pub bounces: u32,
+pub struct Lit<'a> {
+    light: IncidentLight,
+    enclosed: Option<&'a EnclosedLight>,
+    bounces: u32,
+    glossy: Option<&'a GlossyBounces<'a>>,
 }
 
-impl Lit {
+/// What a transfer makes of light.
+pub enum Shaded {
+    Diffuse(SideRadiance),
+    /// What arrives, for an eye to see by the BRDFs.
+    Glossy(TransferredRadiance),
+}
+
+impl Lit<'_> {
     /// Distant light, as the asset was baked for it.
     pub fn distant(light: &ShLight) -> Self {
         Self {
             light: IncidentLight::Distant(light.clone()),
             enclosed: None,
             bounces: 0,
+            glossy: None,
         }
     }
 
     /// What `transfer` makes of it, bounces and all.
-    pub fn shaded(&self, transfer: &Transfer) -> Result<SideRadiance, BounceError> {
-        let enclosed = self.enclosed.as_ref().map(|light| &light.direct);
-        shade::bounced_with(transfer, &self.light, enclosed, self.bounces)
+    pub fn shaded(&self, transfer: &Transfer) -> Result<Shaded, BounceError> {
+        let enclosed = self.enclosed.and_then(|light| light.transferred.as_ref());
+        let arriving = shade::transferred_with(transfer, &self.light, enclosed)?;
+        Ok(match (arriving, self.glossy) {
+            (Some(direct), Some(glossy)) => Shaded::Glossy(self.bounced(&direct, glossy)?),
+            (Some(direct), None) => Shaded::Glossy(direct),
+            (None, _) => {
+                let enclosed = self.enclosed.map(|light| &light.direct);
+                let (light, bounces) = (&self.light, self.bounces);
+                Shaded::Diffuse(shade::bounced_with(transfer, light, enclosed, bounces)?)
+            }
+        })
     }
 
-    /// What arrives at glossy surfaces; `None` of a diffuse asset.
-    pub fn transferred(&self, transfer: &Transfer) -> Option<TransferredRadiance> {
-        let mut transferred = TransferredRadiance::new(transfer, &self.light)?;
-        let enclosed = self.enclosed.as_ref();
-        if let Some(enclosed) = enclosed.and_then(|light| light.transferred.as_ref()) {
-            transferred.add(enclosed);
-        }
-        Some(transferred)
+    fn bounced(
+        &self,
+        direct: &TransferredRadiance,
+        glossy: &GlossyBounces,
+    ) -> Result<TransferredRadiance, BounceError> {
+        let bar = progress::bake_bar();
+        let monitor = Monitor {
+            progress: &|progress| progress::show(&bar, progress),
+            cancelled: &AtomicBool::new(false),
+        };
+        let bounced = glossy.bounced(direct, self.bounces, &monitor);
+        bar.finish_and_clear();
+        bounced
     }
 }
 

@@ -25,7 +25,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         .iter()
         .try_for_each(|frame| check_output(frame, &given))?;
     let (asset, world) = inputs::open_asset(&args.asset)?;
-    let lights = Lights::open(&args.light, &asset, &world)?;
+    let lights = Lights::open(&args.light, &args.asset, &asset, &world)?;
     let tracer = Tracer::new(&world);
     let mut view = View {
         world: &world,
@@ -35,11 +35,12 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         emitters: lights.placed.as_ref(),
     };
     let (start, transfer) = (view.camera, &asset.transfer);
-    let lit = |distant: &ShLight| lights.with(distant);
-    let named = |failure| Failure::new(format!("{}: {failure}", shown(&args.asset)));
-    let exposure = view
-        .exposure(args.exposure, transfer, &lit(&lights.distant), args.size)
-        .map_err(named)?;
+    let shaded = |distant: &ShLight| {
+        let shaded = lights.with(distant).shaded(transfer);
+        shaded.map_err(|error| Failure::new(format!("{}: {error}", shown(&args.asset))))
+    };
+    let mut lit = shaded(&lights.distant)?;
+    let exposure = view.exposure(args.exposure, transfer, &lit, args.size)?;
     let options = RaycastOptions {
         width: args.size.0,
         height: args.size.1,
@@ -53,7 +54,10 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
             swept(args, share, (&lights.distant, &lights.environment, start))?;
         view.camera = camera;
         let background = background(args.background, &environment, &light);
-        let picture = view.picture(transfer, &lit(&light), &*background, &options)?;
+        if args.sweep == Some(SweepArg::Light) {
+            lit = shaded(&light)?;
+        }
+        let picture = view.picture(transfer, &lit, &*background, &options)?;
         picture.write(path, &ToneMap { exposure })?;
         bar.inc(1);
     }

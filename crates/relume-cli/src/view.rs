@@ -11,7 +11,7 @@ use relume::shade::Outgoing;
 
 use crate::args::Exposure;
 use crate::failure::Failure;
-use crate::lights::Lit;
+use crate::lights::Shaded;
 
 /// A scene, ready for camera rays, and a camera.
 pub struct View<'a> {
@@ -28,39 +28,36 @@ pub struct View<'a> {
 pub type Background<'a> = dyn Fn(Vec3) -> [f32; 3] + Sync + 'a;
 
 impl View<'_> {
-    /// What `transfer` makes of `lit`, seen from here.
+    /// What `transfer` made of light, seen from here.
     pub fn picture(
         &self,
         transfer: &Transfer,
-        lit: &Lit,
+        shaded: &Shaded,
         background: &Background,
         options: &RaycastOptions,
     ) -> Result<Picture, Failure> {
-        self.draw(transfer, lit, background, self.emitters, options)
+        self.draw(transfer, shaded, background, self.emitters, options)
     }
 
     fn draw(
         &self,
         transfer: &Transfer,
-        lit: &Lit,
+        shaded: &Shaded,
         background: &Background,
         emitters: Option<&Placed>,
         options: &RaycastOptions,
     ) -> Result<Picture, Failure> {
-        // Also says whether the transfer may be used for this light at all.
-        let sides = lit.shaded(transfer)?;
-        let glossy = self.outgoing.as_ref();
-        let glossy = glossy.and_then(|outgoing| {
-            let transferred = lit.transferred(transfer)?;
-            Some(GlossyRadiance::of(outgoing, transfer, transferred))
-        });
-        let diffuse;
-        let radiance: &dyn Radiance = match &glossy {
-            Some(glossy) => glossy,
-            None => {
-                diffuse = VertexRadiance::of_sides(transfer, sides);
+        let (glossy, diffuse);
+        let radiance: &dyn Radiance = match (shaded, &self.outgoing) {
+            (Shaded::Glossy(arriving), Some(outgoing)) => {
+                glossy = GlossyRadiance::of(outgoing, transfer, arriving.clone());
+                &glossy
+            }
+            (Shaded::Diffuse(sides), _) => {
+                diffuse = VertexRadiance::of_sides(transfer, sides.clone());
                 &diffuse
             }
+            (Shaded::Glossy(_), None) => unreachable!("glossy assets have surfaces to see it by"),
         };
         Ok(display::render(
             self.world,
@@ -78,7 +75,7 @@ impl View<'_> {
         &self,
         choice: Exposure,
         transfer: &Transfer,
-        lit: &Lit,
+        shaded: &Shaded,
         (width, height): (u32, u32),
     ) -> Result<f32, Failure> {
         if let Exposure::Stops(stops) = choice {
@@ -91,7 +88,7 @@ impl View<'_> {
             height: (height / shrink).max(1),
             samples_per_pixel: 1,
         };
-        let glance = self.draw(transfer, lit, &|_| [f32::NAN; 3], None, &glance)?;
+        let glance = self.draw(transfer, shaded, &|_| [f32::NAN; 3], None, &glance)?;
         let luminance = |[r, g, b]: &[f32; 3]| f64::from(0.2126 * r + 0.7152 * g + 0.0722 * b);
         let surfaces = glance
             .pixels

@@ -13,7 +13,7 @@ use super::font;
 use crate::args::Exposure;
 use crate::failure::Failure;
 use crate::inputs::shown;
-use crate::lights::Lit;
+use crate::lights::Shaded;
 use crate::progress;
 use crate::view::View;
 
@@ -46,7 +46,9 @@ pub struct Shot<'a> {
     pub world: &'a World,
     pub transfer: &'a Transfer,
     /// What ours is made of.
-    pub lit: &'a Lit,
+    pub shaded: &'a Shaded,
+    /// Interreflections on top of the transfer's own.
+    pub bounces: u32,
     /// What paths find.
     pub sources: &'a Sources<'a>,
     pub camera: Camera,
@@ -61,7 +63,7 @@ impl Shot<'_> {
                 shown(path)
             )));
         };
-        let bounces = folded + self.lit.bounces;
+        let bounces = folded + self.bounces;
         let (ours, tone) = self.ours(size)?;
         let spinner = progress::spinner("path tracing the picture");
         let half = |half: u64| {
@@ -88,14 +90,14 @@ impl Shot<'_> {
             outgoing: display::outgoing(self.world, self.transfer)?,
             emitters: self.sources.emitters,
         };
-        let (transfer, lit) = (self.transfer, self.lit);
-        let exposure = view.exposure(Exposure::Auto, transfer, lit, (width, height))?;
+        let (transfer, shaded) = (self.transfer, self.shaded);
+        let exposure = view.exposure(Exposure::Auto, transfer, shaded, (width, height))?;
         let options = RaycastOptions {
             width,
             height,
             samples_per_pixel: 64,
         };
-        let ours = view.picture(transfer, lit, &|_| [0.0; 3], &options)?;
+        let ours = view.picture(transfer, shaded, &|_| [0.0; 3], &options)?;
         Ok((ours, ToneMap { exposure }))
     }
 

@@ -21,6 +21,9 @@ use crate::scene::WorldRef;
 /// Receivers that one thread takes at a time.
 const TILE: usize = 64;
 
+/// Rays for each side, where nobody says how many: a bake to a given error takes as many as its hardest shadow wants.
+const MOST_SAMPLES: u32 = 4096;
+
 /// Interreflections of a glossy object, under any light: made once, for the light of every frame.
 pub struct GlossyBounces<'w> {
     world: WorldRef<'w>,
@@ -39,12 +42,12 @@ pub struct GlossyBounces<'w> {
 }
 
 impl<'w> GlossyBounces<'w> {
-    /// For the world and the direct transfer of an asset, with as many rays for each side as it was baked with.
+    /// For the world and the direct transfer of an asset, with as many rays for each side as it was baked with, 4096 at most.
     ///
     /// # Errors
     /// [`BounceError`] where transfer has no matrices, no shadows, or bounces folded in, or a BRDF does not turn with the view.
     pub fn new(world: impl Into<WorldRef<'w>>, transfer: &Transfer) -> Result<Self, BounceError> {
-        Self::with_samples(world, transfer, transfer.samples)
+        Self::with_samples(world, transfer, transfer.samples.min(MOST_SAMPLES))
     }
 
     /// [`Self::new`] with `samples` rays for each side, 1 at least: fewer are faster, and scatter more.
