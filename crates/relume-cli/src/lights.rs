@@ -179,7 +179,7 @@ impl Lit<'_> {
             progress: &|progress| progress::show(&bar, progress),
             cancelled: &AtomicBool::new(false),
         };
-        let bounced = glossy.bounced(direct, self.bounces, &monitor);
+        let bounced = glossy.bounced(direct, self.bounces, glossy.usual_samples(), &monitor);
         bar.finish_and_clear();
         bounced
     }

@@ -17,6 +17,8 @@ use crate::jobs::{Event, Jobs};
 use crate::lighting::Lighting;
 use crate::messages::Messages;
 use crate::navigation::Navigation;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::near::Bouncing;
 use crate::near::{Arriving, Near};
 use crate::panels;
 use crate::relight::Report;
@@ -36,6 +38,9 @@ pub struct Viewer {
     pub(crate) report: Report,
     /// What was shaded last on this side of the device.
     pub(crate) lit: Option<SideRadiance>,
+    /// Bounces on glossy surfaces.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) bouncing: Bouncing,
     pub(crate) gizmo: Gizmo,
     pub(crate) navigation: Navigation,
     pub(crate) look: Look,
@@ -94,6 +99,8 @@ impl Viewer {
             arriving: None,
             report: Report::default(),
             lit: None,
+            #[cfg(not(target_arch = "wasm32"))]
+            bouncing: Bouncing::default(),
             gizmo: Gizmo::default(),
             navigation: Navigation::new(Camera::framing(&Default::default(), 1.0)),
             look: Look {
@@ -146,6 +153,10 @@ impl Viewer {
                 #[cfg(not(target_arch = "wasm32"))]
                 Event::Shadowed(of, transfer) => self.take_shadowed(&of, *transfer),
                 #[cfg(not(target_arch = "wasm32"))]
+                Event::Bounced(number, found, is_last) => {
+                    self.take_bounced(number, &found, is_last);
+                }
+                #[cfg(not(target_arch = "wasm32"))]
                 Event::NoBake => self.baking = None,
                 #[cfg(not(target_arch = "wasm32"))]
                 Event::Said(what) => self.messages.note(what),
@@ -173,6 +184,7 @@ impl Viewer {
         {
             self.baking = None;
             (self.shadowed_wanted, self.direct_asked) = (false, false);
+            self.bouncing = Bouncing::default();
         }
         self.paths = Paths::Baked;
         if let Err(error) = self.stage.upload(&mut content, self.paths) {
@@ -309,6 +321,7 @@ impl Viewer {
         let lamps = self.start.emitters.is_none() || !self.near.is_empty();
         let baked = self.near.is_empty() || self.content.as_ref().is_some_and(Content::has_direct);
         let ready = self.content.is_some()
+            && !self.bouncing.is_busy()
             && self.lighting.is_some()
             && lamps
             && baked

@@ -104,6 +104,14 @@ impl Content {
         matches!(self.bounces(), Some(1..))
     }
 
+    /// Whether any light bounces on where none was folded in: by a gather operator, or on glossy surfaces by rays, for which a web page has no time.
+    pub fn can_bounce(&self) -> bool {
+        let transfer = &self.asset.transfer;
+        let by_rays =
+            self.is_glossy() && self.bounces() == Some(0) && cfg!(not(target_arch = "wasm32"));
+        transfer.gather.is_some() || by_rays
+    }
+
     /// Whether there is transfer of direct light, as near light needs it.
     pub fn has_direct(&self) -> bool {
         self.shadowed.is_some() || !self.has_folded_bounces()

@@ -9,6 +9,8 @@ use relume::asset::Transfer;
 use relume::files::printable;
 use relume::light::emitter::{self, Emitters};
 use relume::light::{self, Environment, LayoutChoice, LightOptions};
+#[cfg(not(target_arch = "wasm32"))]
+use relume::shade::TransferredRadiance;
 
 use crate::content::Content;
 use crate::source::{Kind, MAX_BYTES, Source};
@@ -38,6 +40,9 @@ pub enum Event {
     /// Direct light of the scene of this name.
     #[cfg(not(target_arch = "wasm32"))]
     Shadowed(String, Box<Transfer>),
+    /// What arrives at glossy surfaces with its bounces, of the light of this number; whether that is the last of it.
+    #[cfg(not(target_arch = "wasm32"))]
+    Bounced(u64, Box<TransferredRadiance>, bool),
     /// A bake has ended without a result.
     #[cfg(not(target_arch = "wasm32"))]
     NoBake,

@@ -1,13 +1,17 @@
 //! From what shines to what the device shows: once for every change of the light.
 
 use std::fmt::Display;
+#[cfg(not(target_arch = "wasm32"))]
+use std::sync::Arc;
 
 use relume::light::{IncidentLight, ShLight};
+#[cfg(not(target_arch = "wasm32"))]
+use relume::shade::TransferredRadiance;
 use relume::shade::{SideRadiance, Split};
 use relume_gpu::{GpuError, Surface};
 
 use crate::app::Viewer;
-use crate::content::Paths;
+use crate::content::{Content, Paths};
 use crate::near::{self, Arriving, Domain, Method, NearLight};
 
 /// What came of near light when it was last asked for.
@@ -32,6 +36,8 @@ impl Viewer {
         if !std::mem::take(&mut self.light_changed) {
             return;
         }
+        #[cfg(not(target_arch = "wasm32"))]
+        self.bouncing.stop();
         let (light, problem) = lighting.incident();
         self.messages.standing("window", problem);
         self.look.world_from_light = lighting.turn();
@@ -74,7 +80,7 @@ impl Viewer {
         let Some(content) = &self.content else {
             return false;
         };
-        let bounces = self.near.bounces > 0 && content.asset.transfer.gather.is_some();
+        let bounces = self.near.bounces > 0 && content.can_bounce();
         let whole = match self.paths {
             Paths::Baked => !bounces && !content.has_folded_bounces(),
             Paths::Shadowed | Paths::Unshadowed => true,
@@ -97,9 +103,8 @@ impl Viewer {
 
     /// Whether light is shaded on this side of the device: it varies by vertex, or bounces on.
     fn shades_here(&self) -> bool {
-        let gathers = |content: &crate::content::Content| content.asset.transfer.gather.is_some();
         let bounces = self.near.bounces > 0 && self.paths == Paths::Baked;
-        !self.near.is_empty() || (bounces && self.content.as_ref().is_some_and(gathers))
+        !self.near.is_empty() || (bounces && self.content.as_ref().is_some_and(Content::can_bounce))
     }
 
     /// Shaded on this side of the device; the error against exact light where that is shown.
@@ -134,26 +139,59 @@ impl Viewer {
             self.lit = Some(sides);
             return self.stage.set_radiance(&difference, None).map_err(text);
         }
-        let glossy = content.is_glossy() && paths != Paths::Unshadowed;
-        // Folded bounces would take near light for distant.
-        let folded = paths == Paths::Baked && content.has_folded_bounces();
-        let set = match near {
-            Some(near) if glossy && !folded && near.enclosed.is_some() => {
-                let transfer = content.transfer(paths);
-                let transferred = transfer.and_then(|shown| near.transferred(distant, shown));
-                self.stage.set_radiance(&sides, transferred.as_ref())
-            }
-            Some(near) if glossy && !folded => {
-                let light = IncidentLight::PerVertex(near.light.plus(distant));
-                self.stage.set_light(&light)
-            }
-            _ if glossy => self
-                .stage
-                .set_light(&IncidentLight::Distant(distant.clone())),
-            _ => self.stage.set_radiance(&sides, None),
+        let set = match content.is_glossy() && paths != Paths::Unshadowed {
+            true => self.light_glossy(distant, near, &sides),
+            false => self.stage.set_radiance(&sides, None).map_err(text),
         };
         self.lit = Some(sides);
-        set.map_err(text)
+        set
+    }
+
+    /// The glossy surfaces of the scene, whose vertices' irradiance is `sides`: on the device where one transfer takes all light, and bounces when they are found.
+    fn light_glossy(
+        &mut self,
+        distant: &ShLight,
+        near: Option<&NearLight>,
+        sides: &SideRadiance,
+    ) -> Result<(), String> {
+        let Some(content) = &mut self.content else {
+            return Ok(());
+        };
+        let bounces = match self.paths {
+            Paths::Baked => self.near.bounces,
+            Paths::Shadowed | Paths::Unshadowed => 0,
+        };
+        let folded = self.paths == Paths::Baked && content.has_folded_bounces();
+        let plain = near.filter(|near| !folded && bounces == 0 && near.enclosed.is_none());
+        if let Some(near) = plain {
+            let light = IncidentLight::PerVertex(near.light.plus(distant));
+            return self.stage.set_light(&light).map_err(text);
+        }
+        let arrives = near::arrives(content, self.paths, distant, near).map_err(text)?;
+        let all = arrives.all();
+        self.stage.set_radiance(sides, all.as_ref()).map_err(text)?;
+        #[cfg(not(target_arch = "wasm32"))]
+        if bounces > 0 && content.bounces().is_some() && content.has_direct() {
+            let world = Arc::clone(&content.world);
+            let Some(transfer) = content.direct() else {
+                return Ok(());
+            };
+            let started = self
+                .bouncing
+                .start(&self.jobs, (&world, transfer), arrives, bounces);
+            return started.map_err(text);
+        }
+        Ok(())
+    }
+
+    /// Shows what arrives with its bounces, if the light is still the same.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn take_bounced(&mut self, number: u64, found: &TransferredRadiance, last: bool) {
+        let all = self.bouncing.take(number, found, last);
+        if let Some((all, sides)) = all.zip(self.lit.as_ref()) {
+            let shown = self.stage.set_radiance(sides, Some(&all));
+            shown.unwrap_or_else(|error| self.messages.error(error.to_string()));
+        }
     }
 
     /// Sees that there is direct transfer for near light, where bounces were folded in.
@@ -161,8 +199,7 @@ impl Viewer {
         let Some(content) = self.content.as_ref().filter(|_| !self.near.is_empty()) else {
             return self.messages.standing_note("near", None);
         };
-        let (waits, glossy) = (!content.has_direct(), content.is_glossy());
-        let hidden = glossy && self.paths == Paths::Baked && content.has_folded_bounces();
+        let waits = !content.has_direct();
         let note = match (waits, cfg!(target_arch = "wasm32")) {
             (true, true) => Some(
                 "near light is without shadows: the scene was baked with bounces alone; bake it with --bounces 0 --gather",
@@ -170,17 +207,12 @@ impl Viewer {
             (true, false) => {
                 Some("near light is without shadows until its direct transfer is baked")
             }
-            (false, _) if hidden => Some(
-                "near light does not reach glossy surfaces by bounces; choose \"shadowed\" to see it",
-            ),
             (false, _) => None,
         };
         self.messages.standing_note("near", note.map(str::to_owned));
         #[cfg(not(target_arch = "wasm32"))]
         if waits && !self.direct_asked {
             self.direct_asked = true;
-            // Glossy surfaces have one transfer for all light.
-            self.shadowed_wanted |= glossy;
             self.bake_direct();
         }
     }

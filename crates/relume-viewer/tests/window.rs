@@ -6,7 +6,7 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 
-use relume::asset::{self, Asset};
+use relume::asset::{self, Asset, TransferKind};
 use relume::bake::trace::Tracer;
 use relume::bake::{BakeOptions, Monitor, bake};
 use relume::basis::Order;
@@ -17,7 +17,7 @@ use relume::display::{
 use relume::light::emitter::{self, Placed};
 use relume::light::{self, IncidentLight};
 use relume::scene::{World, bundled};
-use relume::shade::bounced;
+use relume::shade::{GlossyBounces, TransferredRadiance, bounced};
 
 /// Pixels of the window.
 const SIZE: (u32, u32) = (480, 270);
@@ -209,9 +209,9 @@ fn a_window_shows_near_lights_as_the_cpu_sees_them() {
         .unwrap()
         .0
         .placed();
-    // Bounces that were folded in hold for distant light, so near light waits for a bake of direct transfer.
-    for bounces in [0, 1] {
-        let baked = baked_with(None, bounces);
+    // Bounces that were folded in hold for distant light, so near light waits for a bake of direct transfer, and on glossy surfaces for its bounces.
+    for (transfer_order, bounces) in [(None, 0), (None, 1), (Some(5), 1)] {
+        let baked = baked_with(transfer_order, bounces);
         asset::write(&baked, &folder.path().join("ball.glb")).unwrap();
         let line = "ball.glb --emitters lamps.json --light constant:0.2,0.2,0.3 --exposure -1 --no-panels --size 480x270 --screenshot look.png";
         let output = display.view(folder.path(), line);
@@ -226,7 +226,7 @@ fn a_window_shows_near_lights_as_the_cpu_sees_them() {
         let picture = image::open(folder.path().join("look.png"))
             .unwrap()
             .to_rgb8();
-        let expected = with_lamps(&baked, bounces, &placed);
+        let expected = with_lamps(&baked, &placed);
         let pairs = picture.pixels().zip(&expected);
         let off = pairs.map(|(a, b)| (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap());
         let off: Vec<u8> = off.collect();
@@ -239,8 +239,8 @@ fn a_window_shows_near_lights_as_the_cpu_sees_them() {
     }
 }
 
-/// What the CPU sees of distant light as it was baked, and of near light by a bake of direct transfer and the gather operator, in codes.
-fn with_lamps(asset: &Asset, bounces: u32, placed: &Placed) -> Vec<[u8; 3]> {
+/// What the CPU sees of distant light as it was baked, and of near light by a bake of direct transfer and bounces of its own, in codes.
+fn with_lamps(asset: &Asset, placed: &Placed) -> Vec<[u8; 3]> {
     let world = World::new(&asset.scene);
     let sky = light::load(
         &"constant:0.2,0.2,0.3".parse().unwrap(),
@@ -251,17 +251,23 @@ fn with_lamps(asset: &Asset, bounces: u32, placed: &Placed) -> Vec<[u8; 3]> {
     let order = asset.transfer.order;
     let far = IncidentLight::Distant(sky.project(order));
     let near = emitter::light_at_vertices(&world.positions, placed, order);
-    let mut sides = bounced(&asset.transfer, &far, 0).unwrap();
-    let more = bounced(
-        &baked_with(None, 0).transfer,
-        &IncidentLight::PerVertex(near),
-        bounces,
-    )
-    .unwrap();
-    for (sum, more) in sides.front.iter_mut().zip(&more.front) {
-        *sum = std::array::from_fn(|c| sum[c] + more[c]);
-    }
-    let radiance = VertexRadiance::of_sides(&asset.transfer, sides);
+    let near = IncidentLight::PerVertex(near);
+    let outgoing = display::outgoing(&world, &asset.transfer).unwrap();
+    let (glossy, diffuse);
+    let radiance: &dyn Radiance = match &outgoing {
+        Some(outgoing) => {
+            let arriving = arriving(&world, asset, &far, &near);
+            glossy = GlossyRadiance::of(outgoing, &asset.transfer, arriving);
+            &glossy
+        }
+        None => {
+            let mut sides = bounced(&asset.transfer, &far, 0).unwrap();
+            let more = bounced(&baked_with(None, 0).transfer, &near, folded(asset)).unwrap();
+            sides.add(&more);
+            diffuse = VertexRadiance::of_sides(&asset.transfer, sides);
+            &diffuse
+        }
+    };
     let options = RaycastOptions {
         width: SIZE.0,
         height: SIZE.1,
@@ -272,7 +278,7 @@ fn with_lamps(asset: &Asset, bounces: u32, placed: &Placed) -> Vec<[u8; 3]> {
     let picture = display::render(
         &world,
         &tracer,
-        &radiance,
+        radiance,
         &behind,
         Some(placed),
         &camera,
@@ -281,6 +287,36 @@ fn with_lamps(asset: &Asset, bounces: u32, placed: &Placed) -> Vec<[u8; 3]> {
     .unwrap();
     let tone = ToneMap { exposure: -1.0 };
     picture.pixels.iter().map(|&p| tone.encode(p)).collect()
+}
+
+/// The bounces in its transfer.
+fn folded(asset: &Asset) -> u32 {
+    match asset.transfer.kind {
+        TransferKind::Shadowed { bounces } => bounces,
+        TransferKind::Unshadowed => 0,
+    }
+}
+
+/// At the glossy surfaces of an asset.
+fn arriving(
+    world: &World,
+    asset: &Asset,
+    far: &IncidentLight,
+    near: &IncidentLight,
+) -> TransferredRadiance {
+    let matrices = asset.transfer.matrices.as_ref().unwrap();
+    let direct = baked_with(Some(matrices.order.get()), 0).transfer;
+    let near = TransferredRadiance::new(&direct, near).unwrap();
+    let bounces = GlossyBounces::new(world, &direct).unwrap();
+    let monitor = Monitor {
+        progress: &|_| (),
+        cancelled: &false.into(),
+    };
+    let samples = bounces.usual_samples();
+    let near = bounces.bounced(&near, folded(asset), samples, &monitor);
+    let mut sum = TransferredRadiance::new(&asset.transfer, far).unwrap();
+    sum.add(&near.unwrap());
+    sum
 }
 
 #[test]

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use relume::asset::Transfer;
+use relume::light::VertexLight;
 use relume::light::adaptive::{
     FirstOrderSession, Responses, VertexHierarchy, reconstruct, reconstruct_first_order, refine,
 };
 use relume::light::emitter::{ClosedForm, Emitter, LightSession, Placed};
-use relume::light::{IncidentLight, ShLight, VertexLight};
 use relume::scene::World;
 use relume::shade::{EnclosedLight, Enclosure, SideRadiance, Split, TransferredRadiance};
 use web_time::Instant;
@@ -52,19 +52,9 @@ impl NearLight {
         self.enclosed.as_ref().map(|light| &light.direct)
     }
 
-    /// With distant light, what arrives at the glossy surfaces of a scene; `None` of a diffuse one.
-    pub fn transferred(
-        &self,
-        distant: &ShLight,
-        transfer: &Transfer,
-    ) -> Option<TransferredRadiance> {
-        let light = IncidentLight::PerVertex(self.light.plus(distant));
-        let mut transferred = TransferredRadiance::new(transfer, &light)?;
-        let enclosed = self.enclosed.as_ref();
-        if let Some(enclosed) = enclosed.and_then(|light| light.transferred.as_ref()) {
-            transferred.add(enclosed);
-        }
-        Some(transferred)
+    /// The same at glossy surfaces.
+    pub fn enclosed_transferred(&self) -> Option<&TransferredRadiance> {
+        self.enclosed.as_ref()?.transferred.as_ref()
     }
 }
 

@@ -1,6 +1,9 @@
 //! Lights that stand near: which, how they are sampled, and what of it is shown.
 
 mod arrive;
+#[cfg(not(target_arch = "wasm32"))]
+mod bouncing;
+mod glossy;
 mod lamp;
 mod shade;
 
@@ -9,6 +12,9 @@ use relume::light::adaptive::RefineOptions;
 use relume::light::emitter::{EmitterError, Emitters, Placed};
 
 pub use arrive::{Arriving, Domain, NearLight};
+#[cfg(not(target_arch = "wasm32"))]
+pub use bouncing::Bouncing;
+pub use glossy::{Arrives, arrives};
 pub use lamp::{Lamp, Made};
 pub use shade::{error, shade};
 

@@ -13,7 +13,7 @@ pub fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
     if viewer.near.is_empty() {
         ui.weak("None. Add one, or drop an emitters.json.");
         let content = viewer.content.as_ref();
-        if content.is_some_and(|content| content.asset.transfer.gather.is_some()) {
+        if content.is_some_and(Content::can_bounce) {
             viewer.light_changed |= ui
                 .horizontal(|ui| bounces(&mut viewer.near.bounces, ui))
                 .inner;
@@ -228,8 +228,7 @@ fn sampling(near: &mut Near, ui: &mut egui::Ui) -> bool {
 fn bounces(count: &mut u32, ui: &mut egui::Ui) -> bool {
     ui.label("Bounces");
     let bounces = ui.add(egui::Slider::new(count, 0..=8));
-    let what =
-        "of all light, where the scene was baked with --bounces 0 --gather; else of near light";
+    let what = "of all light, where the scene was baked with --bounces 0 (diffuse ones with --gather); else of near light";
     bounces.on_hover_text(what).changed()
 }
 
@@ -247,4 +246,11 @@ fn report(viewer: &Viewer, ui: &mut egui::Ui) {
         .rmse
         .map_or(String::new(), |rmse| format!(", RMSE {rmse:.2e}"));
     ui.weak(format!("{from}, {:.2} ms{error}", report.seconds * 1e3));
+    #[cfg(not(target_arch = "wasm32"))]
+    if viewer.bouncing.is_busy() {
+        ui.horizontal(|ui| {
+            ui.spinner();
+            ui.weak("bounces on glossy surfaces");
+        });
+    }
 }

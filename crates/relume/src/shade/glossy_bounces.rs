@@ -21,7 +21,7 @@ use crate::scene::WorldRef;
 /// Receivers that one thread takes at a time.
 const TILE: usize = 64;
 
-/// Rays for each side, where nobody says how many: a bake to a given error takes as many as its hardest shadow wants.
+/// A bake to a given error takes as many rays as its hardest shadow wants.
 const MOST_SAMPLES: u32 = 4096;
 
 /// Interreflections of a glossy object, under any light: made once, for the light of every frame.
@@ -29,7 +29,6 @@ pub struct GlossyBounces<'w> {
     world: WorldRef<'w>,
     tracer: Tracer<'w>,
     receivers: Receivers<'w>,
-    directions: Directions,
     hemisphere: Hemisphere,
     /// By material.
     reflectors: Vec<Arc<Reflector>>,
@@ -38,27 +37,16 @@ pub struct GlossyBounces<'w> {
     behind: Vec<u32>,
     /// By vertex.
     valid: Vec<bool>,
+    samples: u32,
     seed: u64,
 }
 
 impl<'w> GlossyBounces<'w> {
-    /// For the world and the direct transfer of an asset, with as many rays for each side as it was baked with, 4096 at most.
+    /// For the world and the direct transfer of an asset.
     ///
     /// # Errors
     /// [`BounceError`] where transfer has no matrices, no shadows, or bounces folded in, or a BRDF does not turn with the view.
     pub fn new(world: impl Into<WorldRef<'w>>, transfer: &Transfer) -> Result<Self, BounceError> {
-        Self::with_samples(world, transfer, transfer.samples.min(MOST_SAMPLES))
-    }
-
-    /// [`Self::new`] with `samples` rays for each side, 1 at least: fewer are faster, and scatter more.
-    ///
-    /// # Errors
-    /// As of [`Self::new`].
-    pub fn with_samples(
-        world: impl Into<WorldRef<'w>>,
-        transfer: &Transfer,
-        samples: u32,
-    ) -> Result<Self, BounceError> {
         let world = world.into();
         let matrices = transfer.matrices.as_ref().ok_or(BounceError::NoMatrices)?;
         match transfer.kind {
@@ -74,7 +62,7 @@ impl<'w> GlossyBounces<'w> {
         let backs = transfer.back.iter().flat_map(|back| &back.vertices);
         Ok(Self {
             tracer: Tracer::new(world.clone()),
-            directions: Directions::new(Plan::All(samples.max(1)), matrices.order, transfer.seed),
+            samples: transfer.samples.clamp(1, MOST_SAMPLES),
             hemisphere: Hemisphere::new(matrices.order),
             reflectors,
             filling: Filling::new(&world, &transfer.valid),
@@ -86,7 +74,14 @@ impl<'w> GlossyBounces<'w> {
         })
     }
 
+    /// Rays for each side, where nobody says how many: as many as the asset was baked with, 4096 at most.
+    pub fn usual_samples(&self) -> u32 {
+        self.samples
+    }
+
     /// What arrives after `bounces` interreflections, of `direct` light: E₀ + G E₀ + … + Gᵏ E₀ [sloan2005, "Neumann series"].
+    ///
+    /// By `samples` rays for each side, 1 at least: fewer are faster, and scatter more.
     ///
     /// # Errors
     /// [`BounceError::Cancelled`] once the monitor says so.
@@ -96,8 +91,11 @@ impl<'w> GlossyBounces<'w> {
         &self,
         direct: &TransferredRadiance,
         bounces: u32,
+        samples: u32,
         monitor: &Monitor,
     ) -> Result<TransferredRadiance, BounceError> {
+        let plan = Plan::All(samples.max(1));
+        let directions = Directions::new(plan, self.order(), self.seed);
         let mut last = self.by_receiver(direct);
         let mut sum = direct.clone();
         let count = Count {
@@ -111,7 +109,7 @@ impl<'w> GlossyBounces<'w> {
             let mut next = vec![0.0; last.len()];
             let width = self.width() * TILE;
             parallel::chunks(&mut next, width, |tile, rows| {
-                let mut work = Work::new(self);
+                let mut work = Work::new(self, &directions);
                 for (i, row) in rows.chunks_exact_mut(self.width()).enumerate() {
                     if !monitor.cancelled.load(Ordering::Relaxed) {
                         work.receiver(tile * TILE + i, &last, row);
@@ -204,6 +202,7 @@ impl Count<'_> {
 /// What a thread writes on; nothing that a result depends on survives from one receiver to the next.
 struct Work<'a> {
     object: &'a GlossyBounces<'a>,
+    directions: &'a Directions,
     cast: u64,
     rays: Rays,
     hits: Vec<Hit>,
@@ -219,10 +218,11 @@ struct Work<'a> {
 }
 
 impl<'a> Work<'a> {
-    fn new(object: &'a GlossyBounces<'a>) -> Self {
+    fn new(object: &'a GlossyBounces<'a>, directions: &'a Directions) -> Self {
         let order = object.order();
         Self {
             object,
+            directions,
             cast: 0,
             rays: Rays::default(),
             hits: Vec::new(),
@@ -246,7 +246,7 @@ impl<'a> Work<'a> {
             return;
         }
         let here = self.object.receivers.get(receiver, self.object.seed);
-        let (set, euler) = self.object.directions.of(here.seed, here.normal);
+        let (set, euler) = self.directions.of(here.seed, here.normal);
         let turn = Turn::new(&euler);
         self.sums.fill(0.0);
         let mut cast = 0;

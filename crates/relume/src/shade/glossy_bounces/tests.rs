@@ -57,7 +57,8 @@ fn bounced(world: &World, transfer: &Transfer, light: &IncidentLight) -> Transfe
     };
     let direct = transferred_with(transfer, light, None).unwrap().unwrap();
     let bounces = GlossyBounces::new(world, transfer).unwrap();
-    bounces.bounced(&direct, 2, &monitor).unwrap()
+    let samples = bounces.usual_samples();
+    bounces.bounced(&direct, 2, samples, &monitor).unwrap()
 }
 
 fn distant() -> Vec<[f32; 3]> {
@@ -145,9 +146,9 @@ fn what_cannot_bounce_is_refused_and_what_is_cancelled_ends() {
         progress: &|_| {},
         cancelled: &AtomicBool::new(true),
     };
-    let bounces = GlossyBounces::with_samples(&world, &transfer, 0).unwrap();
-    assert_eq!(bounces.bounced(&direct, 0, &stop).unwrap(), direct);
-    let cancelled = bounces.bounced(&direct, 1, &stop);
+    let bounces = GlossyBounces::new(&world, &transfer).unwrap();
+    assert_eq!(bounces.bounced(&direct, 0, 0, &stop).unwrap(), direct);
+    let cancelled = bounces.bounced(&direct, 1, 0, &stop);
     assert_eq!(cancelled, Err(BounceError::Cancelled));
     transfer.kind = TransferKind::Shadowed { bounces: 1 };
     assert_eq!(of(&transfer), Err(BounceError::Folded));
