@@ -92,6 +92,26 @@ impl<'w> Tracer<'w> {
         }
     }
 
+    /// Which rays meet a surface before the distance `until[i]`: bit i mod 64 of `hidden[i / 64]`.
+    pub fn hidden_from(&self, origin: Vec3, rays: &Rays, until: &[f32], hidden: &mut [u64]) {
+        assert_eq!(rays.len(), until.len(), "one distance per ray");
+        assert_eq!(rays.words(), hidden.len(), "one bit per ray");
+        match &self.caster {
+            Caster::Packets { tree, level } => level.run(walk::Cast {
+                ground: self.ground(tree, origin),
+                rays,
+                sought: walk::Before { until, hidden },
+            }),
+            #[cfg(all(feature = "embree", any(unix, windows)))]
+            Caster::Embree(embree) => {
+                hidden.fill(0);
+                embree.closest_from(origin, rays, |i, _, t| {
+                    hidden[i / 64] |= u64::from(t < until[i]) << (i % 64);
+                });
+            }
+        }
+    }
+
     /// Which rays meet nothing: bit i mod 64 of `open[i / 64]` ([`rays_of`] lists them). `occluders` make it faster from one origin to the next.
     pub fn open_from(
         &self,

@@ -20,6 +20,8 @@ pub struct Packet<'r, L: Lanes, const G: usize> {
     pub groups: [Group; G],
     /// Rays that still look for something.
     pub alive: u64,
+    /// Whether any surface that is near enough will do.
+    any: bool,
     /// Distance of the surface each ray has met.
     pub t: [f32; PACKET],
     /// Its triangle.
@@ -48,6 +50,7 @@ impl<'r, L: Lanes, const G: usize> Packet<'r, L, G> {
         let mut packet = Self {
             groups: [Group::default(); G],
             alive: u64::MAX >> (PACKET - used),
+            any: false,
             t: [f32::INFINITY; PACKET],
             triangles: [Hit::NONE; PACKET],
             direction,
@@ -57,6 +60,17 @@ impl<'r, L: Lanes, const G: usize> Packet<'r, L, G> {
         for g in 0..G {
             packet.set_up(g);
         }
+        packet
+    }
+
+    /// The same for any surface before so many distances, one for each ray.
+    #[inline(always)]
+    pub fn until(rays: &'r Rays, i: usize, until: &[f32]) -> Self {
+        let mut packet = Self::new(rays, i);
+        packet.any = true;
+        packet.t[..until.len()].copy_from_slice(until);
+        // No triangle is lower: at its very distance none is met.
+        packet.triangles = [0; PACKET];
         packet
     }
 
@@ -264,6 +278,9 @@ impl<'r, L: Lanes, const G: usize> Packet<'r, L, G> {
         if nearer && leaf.is_solid(lane, direction) {
             self.t[ray] = t;
             self.triangles[ray] = triangle;
+            if self.any {
+                self.alive &= !(1 << ray);
+            }
         }
     }
 

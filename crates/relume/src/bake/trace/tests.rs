@@ -235,6 +235,18 @@ fn every_instruction_set_finds_the_same_and_open_rays_are_those_that_miss() {
             let mut open = vec![0; rays.words()];
             tracer.open_from(origin, &rays, &mut open, &mut occluders);
             assert_eq!(rays_of(&open).collect::<Vec<_>>(), missed, "{level}");
+            // Just behind the surface, at it, and just before it.
+            for (past, is_hidden) in [(1.0001, true), (1.0, false), (0.9999, false)] {
+                let until = |hit: &Hit| if hit.is_hit() { past * hit.t } else { 9.0 };
+                let until: Vec<f32> = hits.iter().map(until).collect();
+                let mut hidden = vec![0; rays.words()];
+                tracer.hidden_from(origin, &rays, &until, &mut hidden);
+                let found: Vec<bool> = (0..count)
+                    .map(|i| hidden[i / 64] >> (i % 64) & 1 != 0)
+                    .collect();
+                let expected: Vec<bool> = hits.iter().map(|h| h.is_hit() && is_hidden).collect();
+                assert_eq!(found, expected, "{level}, until {past}");
+            }
         }
     }
 }

@@ -61,6 +61,24 @@ impl Sought for Closest<'_> {
     }
 }
 
+/// Which rays meet a surface before a distance, one for each: bit i mod 64 of `hidden[i / 64]`.
+pub struct Before<'a> {
+    pub until: &'a [f32],
+    pub hidden: &'a mut [u64],
+}
+
+impl Sought for Before<'_> {
+    #[inline(always)]
+    fn seek<L: Lanes, const G: usize>(&mut self, ground: &Ground, rays: &Rays, i: usize) {
+        let until = &self.until[i * PACKET..];
+        let until = &until[..until.len().min(PACKET)];
+        let mut packet = Packet::<L, G>::until(rays, i, until);
+        let all = packet.alive;
+        walk::<L, G, true>(ground, &mut packet);
+        self.hidden[i] = all & !packet.alive;
+    }
+}
+
 /// Which rays meet nothing.
 pub struct Open<'a> {
     pub open: &'a mut [u64],

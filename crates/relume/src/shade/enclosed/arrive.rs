@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::part::{Part, Sample, Seen};
 use super::points::{FEW, Points};
 use crate::bake::Receiver;
-use crate::bake::trace::{Hit, Rays, Tracer};
+use crate::bake::trace::{Rays, Tracer};
 use crate::light::emitter::Placed;
 
 /// As a share of the way to an emitter: what is met so shortly before it is the surface it lies on, or its own.
@@ -67,14 +67,18 @@ impl<'a> Sight<'a> {
         }
         let directions = work.samples.iter().map(|(_, s)| s.direction.as_vec3());
         work.rays.set(directions);
-        work.hits.clear();
-        work.hits.resize(work.samples.len(), Hit::MISS);
+        let until = |sample: &Sample| sample.distance * (1.0 - AT_EMITTER);
+        work.until.clear();
+        let distances = work.samples.iter().map(|(_, sample)| until(sample) as f32);
+        work.until.extend(distances);
+        work.hidden.clear();
+        work.hidden.resize(work.rays.words(), 0);
+        let Work { rays, hidden, .. } = work;
         self.tracer
-            .closest_from(receiver.origin, &work.rays, &mut work.hits);
-        for ((i, sample), hit) in work.samples.iter().zip(&work.hits) {
-            let until = sample.distance * (1.0 - AT_EMITTER);
-            let is_open =
-                f64::from(hit.t) >= until && !sample.is_behind(self.placed, receiver, until);
+            .hidden_from(receiver.origin, rays, &work.until, hidden);
+        for (k, (i, sample)) in work.samples.iter().enumerate() {
+            let is_hidden = work.hidden[k / 64] >> (k % 64) & 1 != 0;
+            let is_open = !is_hidden && !sample.is_behind(self.placed, receiver, until(sample));
             work.shares[*i].take(sample, is_open);
         }
     }
@@ -94,7 +98,10 @@ pub struct Arriving {
 pub struct Work {
     samples: Vec<(usize, Sample)>,
     rays: Rays,
-    hits: Vec<Hit>,
+    /// By ray: how far away its point is.
+    until: Vec<f32>,
+    /// A bit for each ray.
+    hidden: Vec<u64>,
     shares: Vec<Share>,
     arriving: Vec<Arriving>,
 }
