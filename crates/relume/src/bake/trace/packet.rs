@@ -20,8 +20,6 @@ pub struct Packet<'r, L: Lanes, const G: usize> {
     pub groups: [Group; G],
     /// Rays that still look for something.
     pub alive: u64,
-    /// Whether any surface that is near enough will do.
-    any: bool,
     /// Distance of the surface each ray has met.
     pub t: [f32; PACKET],
     /// Its triangle.
@@ -50,7 +48,6 @@ impl<'r, L: Lanes, const G: usize> Packet<'r, L, G> {
         let mut packet = Self {
             groups: [Group::default(); G],
             alive: u64::MAX >> (PACKET - used),
-            any: false,
             t: [f32::INFINITY; PACKET],
             triangles: [Hit::NONE; PACKET],
             direction,
@@ -63,11 +60,10 @@ impl<'r, L: Lanes, const G: usize> Packet<'r, L, G> {
         packet
     }
 
-    /// The same for any surface before so many distances, one for each ray.
+    /// The same, to look no further than so many distances, one for each ray.
     #[inline(always)]
     pub fn until(rays: &'r Rays, i: usize, until: &[f32]) -> Self {
         let mut packet = Self::new(rays, i);
-        packet.any = true;
         packet.t[..until.len()].copy_from_slice(until);
         // No triangle is lower: at its very distance none is met.
         packet.triangles = [0; PACKET];
@@ -230,9 +226,9 @@ impl<'r, L: Lanes, const G: usize> Packet<'r, L, G> {
         met && leaf.is_solid(lane, direction)
     }
 
-    /// The triangles of the leaf become what those `rays` of group `g` have met to which they are nearer.
+    /// The triangles of the leaf become what those `rays` of group `g` have met to which they are nearer; where `ANY` will do, these look no further.
     #[inline(always)]
-    pub fn shorten_group(&mut self, g: usize, rays: u32, leaf: &Leaf<L>) {
+    pub fn shorten_group<const ANY: bool>(&mut self, g: usize, rays: u32, leaf: &Leaf<L>) {
         let directions = self.directions(g);
         for lane in bits(leaf.useful) {
             let (maybe, sure) = leaf.shapes.rays_inside(lane, directions);
@@ -244,14 +240,14 @@ impl<'r, L: Lanes, const G: usize> Packet<'r, L, G> {
             let known = sure & leaf.shapes.along_rays(lane, directions, &mut distances);
             for ray in bits(maybe) {
                 let t = (known >> ray & 1 != 0).then_some(distances[ray]);
-                self.shorten(g * L::COUNT + ray, t, leaf, lane);
+                self.shorten::<ANY>(g * L::COUNT + ray, t, leaf, lane);
             }
         }
     }
 
-    /// The triangles of the leaf become what ray `ray` has met if they are nearer.
+    /// The same for ray `ray`.
     #[inline(always)]
-    pub fn shorten_ray(&mut self, ray: usize, leaf: &Leaf<L>) {
+    pub fn shorten_ray<const ANY: bool>(&mut self, ray: usize, leaf: &Leaf<L>) {
         let direction = self.direction(ray);
         let (maybe, sure) = leaf.shapes.triangles_around::<L>(direction);
         let maybe = maybe & leaf.useful;
@@ -262,13 +258,20 @@ impl<'r, L: Lanes, const G: usize> Packet<'r, L, G> {
         let known = sure & leaf.shapes.along_ray::<L>(direction, &mut distances);
         for lane in bits(maybe) {
             let t = (known >> lane & 1 != 0).then_some(distances[lane]);
-            self.shorten(ray, t, leaf, lane);
+            self.shorten::<ANY>(ray, t, leaf, lane);
         }
     }
 
-    /// One triangle, that may be met at `t`, becomes what one ray has met if it is nearer, or as near and of lower index. Without `t`, f64 decides.
+    /// One triangle, that may be met at `t`, becomes what one ray has met if it is nearer, or as near and of lower index. Without `t`, f64 decides. Where `ANY` will do, it
+    /// looks no further.
     #[inline(always)]
-    fn shorten(&mut self, ray: usize, t: Option<f32>, leaf: &Leaf<L>, lane: usize) {
+    fn shorten<const ANY: bool>(
+        &mut self,
+        ray: usize,
+        t: Option<f32>,
+        leaf: &Leaf<L>,
+        lane: usize,
+    ) {
         let direction = self.direction(ray);
         let Some(t) = t.or_else(|| leaf.intersect(lane, direction)) else {
             return;
@@ -278,7 +281,7 @@ impl<'r, L: Lanes, const G: usize> Packet<'r, L, G> {
         if nearer && leaf.is_solid(lane, direction) {
             self.t[ray] = t;
             self.triangles[ray] = triangle;
-            if self.any {
+            if ANY {
                 self.alive &= !(1 << ray);
             }
         }

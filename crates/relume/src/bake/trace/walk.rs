@@ -47,7 +47,7 @@ impl Sought for Closest<'_> {
     #[inline(always)]
     fn seek<L: Lanes, const G: usize>(&mut self, ground: &Ground, rays: &Rays, i: usize) {
         let mut packet = Packet::<L, G>::new(rays, i);
-        walk::<L, G, true>(ground, &mut packet);
+        walk::<L, G, NEAREST>(ground, &mut packet);
         let first = i * PACKET;
         let hits = self.0[first..]
             .iter_mut()
@@ -74,7 +74,7 @@ impl Sought for Before<'_> {
         let until = &until[..until.len().min(PACKET)];
         let mut packet = Packet::<L, G>::until(rays, i, until);
         let all = packet.alive;
-        walk::<L, G, true>(ground, &mut packet);
+        walk::<L, G, BEFORE>(ground, &mut packet);
         self.hidden[i] = all & !packet.alive;
     }
 }
@@ -90,7 +90,7 @@ impl Sought for Open<'_> {
     fn seek<L: Lanes, const G: usize>(&mut self, ground: &Ground, rays: &Rays, i: usize) {
         let mut packet = Packet::<L, G>::new(rays, i);
         self.try_last(ground, &mut packet);
-        walk::<L, G, false>(ground, &mut packet);
+        walk::<L, G, ANY>(ground, &mut packet);
         for group in &packet.groups {
             if let Some(leaf) = group.occluder {
                 self.occluders.remember(group.frustum.middle, leaf);
@@ -116,7 +116,7 @@ impl Open<'_> {
             };
             tried = last;
             let before = packet.alive;
-            meet_leaf::<L, G, false>(ground, leaf, packet.alive, packet);
+            meet_leaf::<L, G, ANY>(ground, leaf, packet.alive, packet);
             if packet.alive == before {
                 self.occluders.forget(middle);
             }
@@ -132,6 +132,13 @@ struct Visit {
     distance: f32,
 }
 
+/// The first surface along each ray.
+const NEAREST: u8 = 0;
+/// Any surface before a distance.
+const BEFORE: u8 = 1;
+/// Any surface at all.
+const ANY: u8 = 2;
+
 /// Room on the stack for all but degenerate trees.
 const ROOM: usize = 256;
 /// As many rays of a group are held one by one against the boxes of a node.
@@ -141,9 +148,9 @@ const FEW_AT_LEAF: u32 = 8;
 
 /// Depth first, the nearest child first.
 ///
-/// `CLOSEST`: to the nearest surface; otherwise a ray is done when it has met any.
+/// For what is `SOUGHT`: [`NEAREST`], [`BEFORE`] or [`ANY`].
 #[inline(always)]
-fn walk<L: Lanes, const G: usize, const CLOSEST: bool>(ground: &Ground, packet: &mut Packet<L, G>) {
+fn walk<L: Lanes, const G: usize, const SOUGHT: u8>(ground: &Ground, packet: &mut Packet<L, G>) {
     let tree = ground.tree;
     if tree.counts.is_empty() {
         return;
@@ -166,7 +173,7 @@ fn walk<L: Lanes, const G: usize, const CLOSEST: bool>(ground: &Ground, packet: 
         depth -= 1;
         let visit = stack[depth];
         let mut rays = visit.rays & packet.alive;
-        if CLOSEST {
+        if SOUGHT != ANY {
             for g in 0..G {
                 let group = Packet::<L, G>::of_group(rays, g);
                 if group != 0 {
@@ -179,7 +186,7 @@ fn walk<L: Lanes, const G: usize, const CLOSEST: bool>(ground: &Ground, packet: 
             continue;
         }
         if let Some(leaf) = visit.child.leaf() {
-            meet_leaf::<L, G, CLOSEST>(ground, leaf, rays, packet);
+            meet_leaf::<L, G, SOUGHT>(ground, leaf, rays, packet);
         } else {
             depth = push_children(ground, visit.child.node(), rays, packet, stack, depth);
         }
@@ -264,7 +271,7 @@ fn squared_distances<L: Lanes>(relative: &[L; 8]) -> [f32; 16] {
 }
 
 #[inline(always)]
-fn meet_leaf<L: Lanes, const G: usize, const CLOSEST: bool>(
+fn meet_leaf<L: Lanes, const G: usize, const SOUGHT: u8>(
     ground: &Ground,
     leaf: usize,
     rays: u64,
@@ -276,16 +283,18 @@ fn meet_leaf<L: Lanes, const G: usize, const CLOSEST: bool>(
         if rays.count_ones() <= FEW_AT_LEAF {
             for ray in bits(rays) {
                 let ray = g * L::COUNT + ray;
-                if CLOSEST {
-                    packet.shorten_ray(ray, &leaf);
-                } else {
-                    packet.stop_ray(ray, &leaf);
+                match SOUGHT {
+                    NEAREST => packet.shorten_ray::<false>(ray, &leaf),
+                    BEFORE => packet.shorten_ray::<true>(ray, &leaf),
+                    _ => packet.stop_ray(ray, &leaf),
                 }
             }
-        } else if CLOSEST {
-            packet.shorten_group(g, rays, &leaf);
         } else {
-            packet.stop_group(g, rays, &leaf);
+            match SOUGHT {
+                NEAREST => packet.shorten_group::<false>(g, rays, &leaf),
+                BEFORE => packet.shorten_group::<true>(g, rays, &leaf),
+                _ => packet.stop_group(g, rays, &leaf),
+            }
         }
     }
 }
