@@ -18,10 +18,12 @@ const FULL: f64 = 2.0;
 
 /// What a cluster's sample would leave out.
 pub struct Oracle<'a> {
-    pub hierarchy: &'a VertexHierarchy,
-    pub positions: &'a [Vec3],
-    pub responses: &'a Responses,
-    pub lumps: Lumps,
+    hierarchy: &'a VertexHierarchy,
+    positions: &'a [Vec3],
+    responses: &'a Responses,
+    lumps: Lumps,
+    /// Of the first vertices in the hierarchy's order together: how much each may be wrong, squared, whatever its cluster.
+    doubts: Vec<f64>,
 }
 
 /// A cluster that was looked at.
@@ -41,7 +43,36 @@ pub struct Cut {
     pub epsilon: f64,
 }
 
-impl Oracle<'_> {
+impl<'a> Oracle<'a> {
+    /// Looks at every vertex once.
+    pub fn new(
+        hierarchy: &'a VertexHierarchy,
+        positions: &'a [Vec3],
+        responses: &'a Responses,
+        lumps: Lumps,
+    ) -> Self {
+        let mut doubts = vec![0.0; positions.len() + 1];
+        parallel::chunks(&mut doubts[1..], 1024, |tile, doubts| {
+            let vertices = &hierarchy.order()[tile * 1024..];
+            for (doubt, &vertex) in doubts.iter_mut().zip(vertices) {
+                let curvature = lumps.curvature(positions[vertex as usize].as_dvec3());
+                *doubt = (curvature * responses.strength(vertex)).powi(2);
+            }
+        });
+        let mut sum = 0.0;
+        for doubt in &mut doubts {
+            sum += *doubt;
+            *doubt = sum;
+        }
+        Self {
+            hierarchy,
+            positions,
+            responses,
+            lumps,
+            doubts,
+        }
+    }
+
     /// Cuts the worst cluster, and so on; then goes back to where the samples that count fit the budget.
     pub fn cut(&self, options: &RefineOptions) -> Cut {
         let mut clusters: Vec<Cluster> = Vec::new();
@@ -111,9 +142,8 @@ impl Oracle<'_> {
         let step = 0.01 * node.radius;
         let [here, x, y, z] = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z]
             .map(|axis| self.lumps.light(node.position + axis * step));
-        let (judges, each) = self.judges(node);
         let mut sum = 0.0;
-        for vertex in judges {
+        for (vertex, count) in self.judges(node) {
             let at = self.positions[vertex as usize].as_dvec3();
             let offset = (at - node.position) / step;
             let light = self.lumps.light(at);
@@ -124,19 +154,46 @@ impl Oracle<'_> {
                     + offset.z * (z[i] - here[i]);
                 colour += f64::from(response) * (light[i] - here[i] - slope);
             }
-            sum += colour * colour;
+            sum += count * colour * colour;
         }
-        (sum * each / self.positions.len() as f64).sqrt()
+        (sum / self.positions.len() as f64).sqrt()
     }
 
-    /// Some of a cluster's vertices, and how many each stands for.
-    fn judges(&self, node: &VertexNode) -> (impl Iterator<Item = u32> + '_, f64) {
+    /// Some of a cluster's vertices, and how many each stands for: half of them evenly, half where there is doubt, for a few vertices beside a lamp may be most of
+    /// what is wrong.
+    fn judges(&self, node: &VertexNode) -> Vec<(u32, f64)> {
         let members = &self.hierarchy.order()[node.vertices.clone()];
-        let judges = members.len().isqrt().clamp(JUDGES.0, JUDGES.1);
-        let step = members.len().div_ceil(judges).max(1);
-        let count = members.len().div_ceil(step).max(1);
-        let each = members.len() as f64 / count as f64;
-        (members.iter().step_by(step).copied(), each)
+        let doubts = &self.doubts[node.vertices.start..=node.vertices.end];
+        let (all, doubt) = (members.len() as f64, doubts[members.len()] - doubts[0]);
+        let wanted = members.len().isqrt().clamp(JUDGES.0, JUDGES.1);
+        if wanted >= members.len() || doubt <= 0.0 {
+            let step = members.len().div_ceil(wanted).max(1);
+            let each = all / members.len().div_ceil(step).max(1) as f64;
+            let judges = members.iter().step_by(step);
+            return judges.map(|&vertex| (vertex, each)).collect();
+        }
+        // The share of all judges that the first members have.
+        let share = |i: usize| 0.5 * (i as f64 / all + (doubts[i] - doubts[0]) / doubt);
+        let mut judges: Vec<(u32, f64)> = Vec::with_capacity(wanted);
+        let mut from = 0;
+        for k in 0..wanted {
+            let place = (k as f64 + 0.5) / wanted as f64;
+            let (mut low, mut high) = (from, members.len() - 1);
+            while low < high {
+                let middle = (low + high) / 2;
+                match share(middle + 1) <= place {
+                    true => low = middle + 1,
+                    false => high = middle,
+                }
+            }
+            from = low;
+            let count = 1.0 / (wanted as f64 * (share(low + 1) - share(low)));
+            match judges.last_mut().filter(|last| last.0 == members[low]) {
+                Some(last) => last.1 += count,
+                None => judges.push((members[low], count)),
+            }
+        }
+        judges
     }
 }
 

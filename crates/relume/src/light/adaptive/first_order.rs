@@ -78,6 +78,12 @@ impl Responses {
         Self { order, values }
     }
 
+    /// The most that light of length 1 can do at a vertex.
+    pub(super) fn strength(&self, vertex: u32) -> f64 {
+        let squares = self.of(vertex).iter().map(|&x| f64::from(x).powi(2));
+        squares.sum::<f64>().sqrt()
+    }
+
     pub(super) fn of(&self, vertex: u32) -> &[f32] {
         let count = self.order.count();
         &self.values[vertex as usize * count..][..count]
@@ -114,13 +120,8 @@ fn chosen(
     placed: &Placed,
     options: &RefineOptions,
 ) -> Cut {
-    let oracle = Oracle {
-        hierarchy,
-        positions,
-        responses,
-        lumps: Lumps::new(placed, form.order()),
-    };
-    oracle.cut(options)
+    let lumps = Lumps::new(placed, form.order());
+    Oracle::new(hierarchy, positions, responses, lumps).cut(options)
 }
 
 /// Coefficients at a point, and their derivatives along x, y and z: `[4][order²][3]`.

@@ -65,6 +65,15 @@ impl Lumps {
         }
     }
 
+    /// How fast light changes its change around a point, about: radiance × solid angle / square of the distance, of all together.
+    pub fn curvature(&self, at: DVec3) -> f64 {
+        let of = |lump: &Lump| {
+            let square = lump.place.distance_squared(at) + lump.area / std::f64::consts::TAU;
+            lump.radiance * lump.area / (square * square)
+        };
+        self.lumps.iter().map(of).sum()
+    }
+
     /// Coefficients of the light at a point.
     pub fn light(&self, at: DVec3) -> Vec<f64> {
         let count = self.evaluator.order().count();
