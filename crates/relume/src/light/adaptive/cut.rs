@@ -11,8 +11,12 @@ use crate::parallel;
 
 /// Clusters cut at a time, whatever the threads.
 const BATCH: usize = 8;
+/// As a share of the worst error: how large one is that is cut with it.
+const ALIKE: f64 = 0.5;
 /// Vertices of a cluster that its error is taken from: the root of their number, between these.
 const JUDGES: (usize, usize) = (24, 128);
+/// Vertices that are looked at together.
+const TILE: usize = 1024;
 /// A cluster's halves have their full weight from this many times ε on.
 const FULL: f64 = 2.0;
 
@@ -22,8 +26,8 @@ pub struct Oracle<'a> {
     positions: &'a [Vec3],
     responses: &'a Responses,
     lumps: Lumps,
-    /// Of the first vertices in the hierarchy's order together: how much each may be wrong, squared, whatever its cluster.
-    doubts: Vec<f64>,
+    /// Of each vertex in the hierarchy's order.
+    doubts: Vec<Doubt>,
 }
 
 /// A cluster that was looked at.
@@ -43,6 +47,21 @@ pub struct Cut {
     pub epsilon: f64,
 }
 
+/// How wrong a vertex may be: by all its light, as one that is near a lamp and far from its sample, or by how fast light changes its change, per square metre from
+/// the sample, as most.
+#[derive(Clone, Copy, Debug, Default)]
+struct Doubt {
+    light: f64,
+    curvature: f64,
+}
+
+impl Doubt {
+    /// Squared, at so many square metres from the sample.
+    fn at(self, square: f64) -> f64 {
+        self.light.min(self.curvature * square).powi(2)
+    }
+}
+
 impl<'a> Oracle<'a> {
     /// Looks at every vertex once.
     pub fn new(
@@ -51,19 +70,18 @@ impl<'a> Oracle<'a> {
         responses: &'a Responses,
         lumps: Lumps,
     ) -> Self {
-        let mut doubts = vec![0.0; positions.len() + 1];
-        parallel::chunks(&mut doubts[1..], 1024, |tile, doubts| {
-            let vertices = &hierarchy.order()[tile * 1024..];
+        let mut doubts = vec![Doubt::default(); positions.len()];
+        parallel::chunks(&mut doubts, TILE, |tile, doubts| {
+            let vertices = &hierarchy.order()[tile * TILE..];
             for (doubt, &vertex) in doubts.iter_mut().zip(vertices) {
-                let curvature = lumps.curvature(positions[vertex as usize].as_dvec3());
-                *doubt = (curvature * responses.strength(vertex)).powi(2);
+                let strength = responses.strength(vertex);
+                let (light, curvature) = lumps.doubt(positions[vertex as usize].as_dvec3());
+                *doubt = Doubt {
+                    light: light * strength,
+                    curvature: curvature * strength,
+                };
             }
         });
-        let mut sum = 0.0;
-        for doubt in &mut doubts {
-            sum += *doubt;
-            *doubt = sum;
-        }
         Self {
             hierarchy,
             positions,
@@ -90,11 +108,12 @@ impl<'a> Oracle<'a> {
         // ε after so many cuts.
         let mut left = vec![open.peek().map_or(0.0, |(error, _)| error.0)];
         while left.len() < options.budget {
+            // What is far better than the worst can wait.
+            let enough = open.peek().map_or(0.0, |(error, _)| ALIKE * error.0);
+            let enough = enough.max(options.epsilon);
             let mut worst: Vec<usize> = Vec::new();
             while worst.len() < BATCH.min(options.budget - left.len())
-                && open
-                    .peek()
-                    .is_some_and(|(error, _)| error.0 > options.epsilon)
+                && open.peek().is_some_and(|(error, _)| error.0 > enough)
             {
                 worst.extend(open.pop().map(|(_, i)| i));
             }
@@ -142,8 +161,13 @@ impl<'a> Oracle<'a> {
         let step = 0.01 * node.radius;
         let [here, x, y, z] = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z]
             .map(|axis| self.lumps.light(node.position + axis * step));
-        let mut sum = 0.0;
-        for (vertex, count) in self.judges(node) {
+        let members = node.vertices.clone();
+        let judges = members.len().isqrt().clamp(JUDGES.0, JUDGES.1);
+        let every = members.len().div_ceil(judges).max(1);
+        let (mut sum, mut seen) = (0.0, 0.0);
+        for judge in members.clone().step_by(every) {
+            seen += self.doubt(node, judge);
+            let vertex = self.hierarchy.order()[judge];
             let at = self.positions[vertex as usize].as_dvec3();
             let offset = (at - node.position) / step;
             let light = self.lumps.light(at);
@@ -154,46 +178,20 @@ impl<'a> Oracle<'a> {
                     + offset.z * (z[i] - here[i]);
                 colour += f64::from(response) * (light[i] - here[i] - slope);
             }
-            sum += count * colour * colour;
+            sum += colour * colour;
         }
-        (sum / self.positions.len() as f64).sqrt()
+        // As wrong as the judges are, for as much doubt as there is in all: a few vertices beside a lamp may be most of it.
+        let all: f64 = members.map(|member| self.doubt(node, member)).sum();
+        if seen <= 0.0 {
+            return 0.0;
+        }
+        (sum * all / seen / self.positions.len() as f64).sqrt()
     }
 
-    /// Some of a cluster's vertices, and how many each stands for: half of them evenly, half where there is doubt, for a few vertices beside a lamp may be most of
-    /// what is wrong.
-    fn judges(&self, node: &VertexNode) -> Vec<(u32, f64)> {
-        let members = &self.hierarchy.order()[node.vertices.clone()];
-        let doubts = &self.doubts[node.vertices.start..=node.vertices.end];
-        let (all, doubt) = (members.len() as f64, doubts[members.len()] - doubts[0]);
-        let wanted = members.len().isqrt().clamp(JUDGES.0, JUDGES.1);
-        if wanted >= members.len() || doubt <= 0.0 {
-            let step = members.len().div_ceil(wanted).max(1);
-            let each = all / members.len().div_ceil(step).max(1) as f64;
-            let judges = members.iter().step_by(step);
-            return judges.map(|&vertex| (vertex, each)).collect();
-        }
-        // The share of all judges that the first members have.
-        let share = |i: usize| 0.5 * (i as f64 / all + (doubts[i] - doubts[0]) / doubt);
-        let mut judges: Vec<(u32, f64)> = Vec::with_capacity(wanted);
-        let mut from = 0;
-        for k in 0..wanted {
-            let place = (k as f64 + 0.5) / wanted as f64;
-            let (mut low, mut high) = (from, members.len() - 1);
-            while low < high {
-                let middle = (low + high) / 2;
-                match share(middle + 1) <= place {
-                    true => low = middle + 1,
-                    false => high = middle,
-                }
-            }
-            from = low;
-            let count = 1.0 / (wanted as f64 * (share(low + 1) - share(low)));
-            match judges.last_mut().filter(|last| last.0 == members[low]) {
-                Some(last) => last.1 += count,
-                None => judges.push((members[low], count)),
-            }
-        }
-        judges
+    /// That of a member of a cluster.
+    fn doubt(&self, node: &VertexNode, member: usize) -> f64 {
+        let at = self.positions[self.hierarchy.order()[member] as usize].as_dvec3();
+        self.doubts[member].at(at.distance_squared(node.position))
     }
 }
 

@@ -65,13 +65,16 @@ impl Lumps {
         }
     }
 
-    /// How fast light changes its change around a point, about: radiance × solid angle / square of the distance, of all together.
-    pub fn curvature(&self, at: DVec3) -> f64 {
-        let of = |lump: &Lump| {
+    /// About how much light there is at a point, radiance × solid angle; and how fast it changes its change around it, that over the square of the distance.
+    pub fn doubt(&self, at: DVec3) -> (f64, f64) {
+        let (mut light, mut curvature) = (0.0, 0.0);
+        for lump in &self.lumps {
             let square = lump.place.distance_squared(at) + lump.area / std::f64::consts::TAU;
-            lump.radiance * lump.area / (square * square)
-        };
-        self.lumps.iter().map(of).sum()
+            let here = lump.radiance * lump.area / square;
+            light += here;
+            curvature += here / square;
+        }
+        (light, curvature)
     }
 
     /// Coefficients of the light at a point.

@@ -36,7 +36,11 @@ struct Object {
 }
 
 fn object(count: usize, response: impl Fn(&Vec3) -> f32) -> Object {
-    let positions = cloud(count, 7);
+    object_of(cloud(count, 7), response)
+}
+
+fn object_of(positions: Vec<Vec3>, response: impl Fn(&Vec3) -> f32) -> Object {
+    let count = positions.len();
     let transfer = transfer(count, |v| response(&positions[v]));
     Object {
         hierarchy: VertexHierarchy::new(&positions),
@@ -115,6 +119,36 @@ fn at_as_many_samples_the_error_is_less_than_half_of_the_papers() {
             assert!(ours < 0.5 * papers, "{ours} {papers} at {z}");
         }
     }
+}
+
+#[test]
+fn a_few_vertices_beside_a_lamp_are_sampled_however_many_stand_elsewhere() {
+    // The crowd stands away from the panel, a few right before it.
+    let few = (0..5).map(|i| Vec3::new(0.3 + 0.1 * i as f32, 1.0, 0.8));
+    let crowd = cloud(4000, 7).into_iter();
+    let crowd = crowd.map(|p| Vec3::new(p.x, p.y, p.z - 6.0));
+    let object = object_of(crowd.chain(few).collect(), |_| 1.0);
+    let placed = panel(1.0);
+    let (found, exact) = (object.light(&placed, 0.0, 40), object.exact(&placed));
+    let first = 27 * 4000;
+    let (off, all) = (
+        rms(&found[first..], &exact[first..]),
+        rms(&exact[first..], &vec![0.0; 27 * 5]),
+    );
+    println!("off by {off:.2e} of {all:.2}");
+    let s = object.samples(&placed, 0.0, 40);
+    for i in 0..s.len() {
+        println!(
+            "{:.2} r {:.3} w {:.2}",
+            s.positions[i], s.radii[i], s.weights[i]
+        );
+    }
+    println!(
+        "{:?} {:?}",
+        &found[first..first + 6],
+        &exact[first..first + 6]
+    );
+    assert!(off < 0.01 * all, "{off} of {all}");
 }
 
 #[test]
