@@ -4,9 +4,10 @@ use std::collections::BinaryHeap;
 
 use glam::{DVec3, Vec3};
 
+use super::doubts::Doubts;
 use super::first_order::Responses;
 use super::lumps::Lumps;
-use super::{RefineOptions, VertexHierarchy, VertexNode};
+use super::{RefineOptions, VertexHierarchy};
 use crate::parallel;
 
 /// Clusters cut at a time, whatever the threads.
@@ -15,8 +16,6 @@ const BATCH: usize = 8;
 const ALIKE: f64 = 0.5;
 /// Vertices of a cluster that its error is taken from: the root of their number, between these.
 const JUDGES: (usize, usize) = (24, 128);
-/// Vertices that are looked at together.
-const TILE: usize = 1024;
 /// A cluster's halves have their full weight from this many times ε on.
 const FULL: f64 = 2.0;
 
@@ -26,8 +25,7 @@ pub struct Oracle<'a> {
     positions: &'a [Vec3],
     responses: &'a Responses,
     lumps: Lumps,
-    /// Of each vertex in the hierarchy's order.
-    doubts: Vec<Doubt>,
+    doubts: Doubts,
 }
 
 /// A cluster that was looked at.
@@ -47,21 +45,6 @@ pub struct Cut {
     pub epsilon: f64,
 }
 
-/// How wrong a vertex may be: by all its light, as one that is near a lamp and far from its sample, or by how fast light changes its change, per square metre from
-/// the sample, as most.
-#[derive(Clone, Copy, Debug, Default)]
-struct Doubt {
-    light: f64,
-    curvature: f64,
-}
-
-impl Doubt {
-    /// Squared, at so many square metres from the sample.
-    fn at(self, square: f64) -> f64 {
-        self.light.min(self.curvature * square).powi(2)
-    }
-}
-
 impl<'a> Oracle<'a> {
     /// Looks at every vertex once.
     pub fn new(
@@ -70,24 +53,12 @@ impl<'a> Oracle<'a> {
         responses: &'a Responses,
         lumps: Lumps,
     ) -> Self {
-        let mut doubts = vec![Doubt::default(); positions.len()];
-        parallel::chunks(&mut doubts, TILE, |tile, doubts| {
-            let vertices = &hierarchy.order()[tile * TILE..];
-            for (doubt, &vertex) in doubts.iter_mut().zip(vertices) {
-                let strength = responses.strength(vertex);
-                let (light, curvature) = lumps.doubt(positions[vertex as usize].as_dvec3());
-                *doubt = Doubt {
-                    light: light * strength,
-                    curvature: curvature * strength,
-                };
-            }
-        });
         Self {
             hierarchy,
             positions,
             responses,
+            doubts: Doubts::new(hierarchy, positions, responses, &lumps),
             lumps,
-            doubts,
         }
     }
 
@@ -166,7 +137,7 @@ impl<'a> Oracle<'a> {
         let every = members.len().div_ceil(judges).max(1);
         let (mut sum, mut seen) = (0.0, 0.0);
         for judge in members.clone().step_by(every) {
-            seen += self.doubt(node, judge);
+            seen += self.doubts.of(judge, node.position);
             let vertex = self.hierarchy.order()[judge];
             let at = self.positions[vertex as usize].as_dvec3();
             let offset = (at - node.position) / step;
@@ -181,17 +152,11 @@ impl<'a> Oracle<'a> {
             sum += colour * colour;
         }
         // As wrong as the judges are, for as much doubt as there is in all: a few vertices beside a lamp may be most of it.
-        let all: f64 = members.map(|member| self.doubt(node, member)).sum();
+        let all = self.doubts.sum(members, node.position);
         if seen <= 0.0 {
             return 0.0;
         }
         (sum * all / seen / self.positions.len() as f64).sqrt()
-    }
-
-    /// That of a member of a cluster.
-    fn doubt(&self, node: &VertexNode, member: usize) -> f64 {
-        let at = self.positions[self.hierarchy.order()[member] as usize].as_dvec3();
-        self.doubts[member].at(at.distance_squared(node.position))
     }
 }
 

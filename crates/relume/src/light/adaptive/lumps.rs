@@ -14,14 +14,17 @@ pub struct Lumps {
     evaluator: sh::Evaluator,
 }
 
-struct Lump {
-    place: DVec3,
+/// A point light.
+pub struct Lump {
+    /// Where.
+    pub place: DVec3,
     /// Zero where it shines all around.
     normal: DVec3,
     two_sided: bool,
-    area: f64,
+    /// Of the face.
+    pub area: f64,
     /// Mean of the channels.
-    radiance: f64,
+    pub radiance: f64,
 }
 
 impl Lumps {
@@ -65,16 +68,9 @@ impl Lumps {
         }
     }
 
-    /// About how much light there is at a point, radiance × solid angle; and how fast it changes its change around it, that over the square of the distance.
-    pub fn doubt(&self, at: DVec3) -> (f64, f64) {
-        let (mut light, mut curvature) = (0.0, 0.0);
-        for lump in &self.lumps {
-            let square = lump.place.distance_squared(at) + lump.area / std::f64::consts::TAU;
-            let here = lump.radiance * lump.area / square;
-            light += here;
-            curvature += here / square;
-        }
-        (light, curvature)
+    /// Those that shine.
+    pub fn all(&self) -> &[Lump] {
+        &self.lumps
     }
 
     /// Coefficients of the light at a point.
@@ -91,8 +87,7 @@ impl Lumps {
                 false if lump.two_sided => cosine.abs(),
                 false => cosine.max(0.0),
             };
-            // Half of all directions at most.
-            let solid_angle = lump.area * cosine / (square + lump.area / std::f64::consts::TAU);
+            let solid_angle = lump.area * cosine / (square + lump.spread());
             if solid_angle == 0.0 {
                 continue;
             }
@@ -107,6 +102,11 @@ impl Lumps {
 }
 
 impl Lump {
+    /// What the square of a distance grows by, so that a face fills half of all directions at most.
+    pub fn spread(&self) -> f64 {
+        self.area / std::f64::consts::TAU
+    }
+
     fn merge(&mut self, place: DVec3, area: f64, radiance: f64) {
         let total = self.area + area;
         self.place += (place - self.place) * (area / total);

@@ -10,6 +10,7 @@
 //! Beside it stands what it is compared with: [`lbg()`] places samples evenly among the vertices, [`global_weights`] takes all of them at every vertex.
 
 mod cut;
+mod doubts;
 mod first_order;
 mod groups;
 mod hierarchy;
