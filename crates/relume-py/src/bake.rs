@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
-use relume::asset::Transfer;
+use relume::asset::{BackTransfer, Transfer};
 use relume::bake::{BakeError, BakeOptions, Monitor};
 use relume::basis::Order;
 use relume::scene::{Albedo, Scene, Triangles, World};
@@ -120,6 +120,23 @@ pub fn run(world: &World, options: &BakeOptions, cancelled: &AtomicBool) -> PyRe
     let baked = relume::bake::bake(world, options, &monitor);
     let baked = baked.map_err(|error: BakeError| failure::bake(&error))?;
     Ok(baked.transfer)
+}
+
+/// Refuses a transfer whose back sides are not those of the object: arrays come as somebody put them together.
+pub fn check_backs(world: &World, back: Option<&BackTransfer>) -> PyResult<()> {
+    let mut two_sided = vec![false; world.positions.len()];
+    for (triangle, corners) in world.triangles.iter().enumerate() {
+        if world.material(triangle as u32).double_sided {
+            corners.iter().for_each(|&i| two_sided[i as usize] = true);
+        }
+    }
+    let vertices = (0..two_sided.len()).filter(|&vertex| two_sided[vertex]);
+    let given = back.iter().flat_map(|back| &back.vertices);
+    if vertices.eq(given.map(|&vertex| vertex as usize)) {
+        return Ok(());
+    }
+    let what = "not the vertices of double-sided faces; bake it again";
+    Err(failure::value("transfer.back_vertices", what))
 }
 
 /// Asks for the memory of a bake before it begins: a bake that runs out half way ends the whole process.

@@ -152,6 +152,7 @@ pub fn shade_direct_near<'py>(
         let what = "not as many as transfer.positions";
         return Err(failure::value("transfer.vectors", what));
     }
+    bake::check_backs(&world, transfer.back.as_ref())?;
     let placed = emitters.get().placed();
     long(py, move || {
         let placed = placed();

@@ -164,3 +164,8 @@ def test_a_direct_transfer_that_was_tampered_with_is_refused():
     said = refused(relume.shade, dataclasses.replace(direct, **columns), light, bounces=1)
     assert said == "transfer: a gather operator with a column that is no side; bake it again"
     assert refused(relume.shade, direct, light, bounces=65) == "bounces: 65 is not within 0…64"
+    both = relume.bake(VERTICES, FACES, samples=16, order=2, gather=True, double_sided=True)
+    within = relume.Emitters([relume.Emitter(relume.Sphere(0.1), 1)])
+    said = "transfer.back_vertices: not the vertices of double-sided faces; bake it again"
+    for transfer, double_sided in ((both, False), (direct, True)):
+        assert refused(relume.shade, dataclasses.replace(transfer, double_sided=double_sided), within) == said
