@@ -1,6 +1,5 @@
 //! `_relume.bake_glossy`, `_relume.surfaces` and `_relume.shade_glossy`
 
-use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -38,17 +37,23 @@ pub struct Brdf(String, Vec<f64>, String);
 #[pyclass(frozen)]
 pub struct Surfaces(Outgoing);
 
-/// Matrices `[V, C, m², n²]`, which vertices are valid `[V]`, normals and albedo `[V, 3]`, and what was repaired.
-type Baked<'py> = (
+/// Matrices `[V, C, m², n²]`, which vertices are valid `[V]`, and vertices `[B]` and matrices `[B, C, m², n²]` of back sides.
+type Sides<'py> = (
     Bound<'py, PyArray4<f32>>,
     Bound<'py, PyArray1<bool>>,
+    Bound<'py, PyArray1<u32>>,
+    Bound<'py, PyArray4<f32>>,
+);
+/// All sides, normals and albedo `[V, 3]`, and what was repaired.
+type Baked<'py> = (
+    Sides<'py>,
     Bound<'py, PyArray2<f32>>,
     Bound<'py, PyArray2<f32>>,
     Vec<String>,
 );
 
 impl Brdf {
-    fn reflection(&self) -> PyResult<Reflection> {
+    pub fn reflection(&self) -> PyResult<Reflection> {
         // Shares are f32, as on the command line.
         let share = |number: f64| f64::from(number as f32);
         let Self(model, numbers, path) = self;
@@ -131,24 +136,32 @@ pub fn bake_glossy<'py>(
         run(&scene, &options, &flag)
     };
     let (world, transfer, warnings) = work::long(py, &cancelled, work)??;
-    let matrices = transfer.matrices.expect("a transfer order was asked for");
-    let shape = [
-        transfer.valid.len(),
-        transfer.channels,
-        matrices.order.count(),
-        transfer.order.count(),
-    ];
     let flat = |rows: Vec<Vec3>| {
         let count = rows.len();
         let numbers = rows.into_iter().flat_map(|row| row.to_array()).collect();
         PyArray1::from_vec(py, numbers).reshape([count, 3])
     };
     Ok((
-        PyArray1::from_vec(py, matrices.coefficients.into_vec()).reshape(shape)?,
-        PyArray1::from_vec(py, transfer.valid),
+        sides(py, transfer)?,
         flat(world.normals.clone())?,
         flat(world.vertex_albedos())?,
         warnings,
+    ))
+}
+
+fn sides(py: Python<'_>, transfer: Transfer) -> PyResult<Sides<'_>> {
+    let matrices = transfer.matrices.expect("a transfer order was asked for");
+    let behind = transfer.back.map_or_else(Vec::new, |back| back.vertices);
+    let shape = |sides: usize| {
+        let (rows, columns) = (matrices.order.count(), transfer.order.count());
+        [sides, transfer.channels, rows, columns]
+    };
+    let (front, back) = (shape(transfer.valid.len()), shape(behind.len()));
+    Ok((
+        PyArray1::from_vec(py, matrices.coefficients.into_vec()).reshape(front)?,
+        PyArray1::from_vec(py, transfer.valid),
+        PyArray1::from_vec(py, behind),
+        PyArray1::from_vec(py, matrices.back.into_vec()).reshape(back)?,
     ))
 }
 
@@ -235,44 +248,67 @@ pub fn shade_glossy<'py>(
     eye: (f64, f64, f64),
     surfaces: Bound<'py, Surfaces>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-    let &[vertices, channels, rows_of, columns] = matrices.shape() else {
-        return Err(failure::value("matrices", "not of four dimensions"));
-    };
-    let (order, height) = (
-        order_of("matrices", columns)?,
-        order_of("matrices", rows_of)?,
-    );
-    let light = light.incident(vertices)?;
-    let stride = channels * rows_of * columns;
-    let mut transferred = TransferredRadiance {
-        order: height,
-        front: Vec::with_capacity(vertices * 3 * rows_of),
+    let light = light.incident(matrices.shape()[0])?;
+    let arriving = TransferredRadiance {
+        order: orders(&matrices)?.1,
+        front: applied(py, &matrices, &light, |side| side)?,
         back: Vec::new(),
     };
+    toward(py, &surfaces, &arriving, eye)
+}
+
+/// The orders n of light and m of transferred radiance.
+pub fn orders(matrices: &PyReadonlyArray4<'_, f32>) -> PyResult<(Order, Order)> {
+    let &[_, 1 | 3, rows, columns] = matrices.shape() else {
+        return Err(failure::value("matrices", "not of 1 or 3 channels"));
+    };
+    Ok((order_of("matrices", columns)?, order_of("matrices", rows)?))
+}
+
+/// Coefficients `[sides][3][m²]`: `matrices` [S, C, m², n²] applied to the light, that of the vertex `vertex` says where it varies.
+pub fn applied(
+    py: Python<'_>,
+    matrices: &PyReadonlyArray4<'_, f32>,
+    light: &IncidentLight,
+    vertex: impl Fn(usize) -> usize,
+) -> PyResult<Vec<f32>> {
+    let (order, height) = orders(matrices)?;
+    let (sides, channels) = (matrices.shape()[0], matrices.shape()[1]);
+    let stride = channels * height.count() * order.count();
+    let mut transferred = Vec::with_capacity(sides * 3 * height.count());
     let pool = work::pool()?;
     let most = (PIECE / 4 / stride).max(1);
     for (i, piece) in matrices.as_slice()?.chunks(most * stride).enumerate() {
         let count = piece.len() / stride;
         let some = transfer(order, channels, height, piece.to_vec().into(), count);
-        let here = light_of(&light, i * most..i * most + count);
+        let here = light_of(light, (i * most..i * most + count).map(&vertex));
         let more = work::brief(py, || {
             pool.install(|| TransferredRadiance::new(&some, &here))
         })?;
-        transferred
-            .front
-            .extend(more.expect("it has matrices").front);
+        transferred.extend(more.expect("it has matrices").front);
     }
-    let all = transfer(order, channels, height, Rows::default(), vertices);
-    let outgoing = &surfaces.get().0;
-    let eye = DVec3::from(eye);
+    Ok(transferred)
+}
+
+/// Radiance toward `eye` `[V, 3]` of what arrives at the fronts of all vertices.
+pub fn toward<'py>(
+    py: Python<'py>,
+    surfaces: &Bound<'py, Surfaces>,
+    arriving: &TransferredRadiance,
+    eye: (f64, f64, f64),
+) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    let (outgoing, order) = (&surfaces.get().0, arriving.order);
+    let vertices = arriving.front.len() / (3 * order.count());
+    let all = transfer(order, 1, order, Rows::default(), vertices);
+    let (pool, eye) = (work::pool()?, DVec3::from(eye));
     let radiance = work::brief(py, || {
-        pool.install(|| outgoing.radiance(&all, &transferred, eye))
+        pool.install(|| outgoing.radiance(&all, arriving, eye))
     })?;
     PyArray1::from_vec(py, radiance.into_flattened()).reshape([vertices, 3])
 }
 
 /// The light of some vertices.
-fn light_of(light: &IncidentLight, vertices: Range<usize>) -> IncidentLight {
+fn light_of(light: &IncidentLight, vertices: impl Iterator<Item = usize>) -> IncidentLight {
     let IncidentLight::PerVertex(light) = light else {
         return light.clone();
     };
@@ -282,7 +318,7 @@ fn light_of(light: &IncidentLight, vertices: Range<usize>) -> IncidentLight {
 }
 
 /// A transfer of matrices alone.
-fn transfer(
+pub fn transfer(
     order: Order,
     channels: usize,
     height: Order,

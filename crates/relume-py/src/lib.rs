@@ -7,6 +7,7 @@ mod direct;
 mod emitters;
 mod failure;
 mod glossy;
+mod glossy_bounces;
 mod light;
 mod near;
 mod shade;
@@ -27,9 +28,11 @@ mod _relume {
     #[pymodule_export]
     use super::glossy::{bake_glossy, shade_glossy, surfaces};
     #[pymodule_export]
+    use super::glossy_bounces::shade_glossy_near;
+    #[pymodule_export]
     use super::light::light;
     #[pymodule_export]
-    use super::near::{enclosed, incident, light_at, read_light, sampled_light_at, write_light};
+    use super::near::{incident, light_at, read_light, sampled_light_at, write_light};
     #[pymodule_export]
     use super::shade::shade;
 

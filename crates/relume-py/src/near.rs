@@ -1,4 +1,4 @@
-//! `_relume.enclosed`, `_relume.light_at`, `_relume.sampled_light_at`, `_relume.incident`, `_relume.read_light` and `_relume.write_light`
+//! `_relume.light_at`, `_relume.sampled_light_at`, `_relume.incident`, `_relume.read_light` and `_relume.write_light`
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -19,31 +19,10 @@ use relume::light::adaptive::{
 use relume::light::emitter::{ClosedForm, Sampler, light_at_vertices};
 use relume::light::{VertexLight, VertexLightError};
 use relume::scene::World;
-use relume::shade::Split;
 
 use crate::emitters::Emitters;
 use crate::shade::{per_vertex, vectors};
 use crate::{failure, rows, work};
-
-/// The name of the first emitter that reaches into the hull of an object with these vertices; `None` without.
-#[pyfunction]
-#[allow(
-    clippy::needless_pass_by_value,
-    reason = "Python's arguments come by value"
-)]
-pub fn enclosed(
-    py: Python<'_>,
-    emitters: &Bound<'_, Emitters>,
-    positions: PyReadonlyArray2<'_, f32>,
-) -> PyResult<Option<String>> {
-    let positions: Vec<Vec3> = rows("positions", &positions)?;
-    let placed = emitters.get().placed();
-    long(py, move || {
-        let placed = placed();
-        let split = Split::of_points(&positions, &placed)?;
-        Some(placed.emitters()[split.enclosed[0]].name.clone())
-    })
-}
 
 /// Light `[V, n², 3]`, where it was sampled `[S, 3]`, how far each sample counts and how much `[S]`, and the error that was accepted.
 type Sampled<'py> = (

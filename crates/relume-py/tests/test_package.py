@@ -12,7 +12,7 @@ from relume import _emitters, _relume
 
 FOLDER = Path(relume.__file__).parent
 # What `relume.Emitters` calls.
-OF_EMITTERS = {"enclosed", "emitters", "load_emitters", "emitter_poses", "set_pose", "light_at", "sampled_light_at", "incident"}
+OF_EMITTERS = {"emitters", "load_emitters", "emitter_poses", "set_pose", "light_at", "sampled_light_at", "incident"}
 
 
 def test_the_examples_in_the_docstrings_are_true():
@@ -39,7 +39,7 @@ def test_what_is_public_is_annotated_and_says_what_it_does():
     public = [getattr(relume, name) for name in relume.__all__ if name != "__version__"]
     functions, classes = [f for f in public if not inspect.isclass(f)], [c for c in public if inspect.isclass(c)]
     native = {name for name in vars(_relume) if not name.startswith("_")}
-    of_classes = {"bake_glossy", "shade_glossy", "surfaces", "bake_direct", "shade_direct", "shade_direct_near", *OF_EMITTERS}
+    of_classes = {"bake_glossy", "shade_glossy", "shade_glossy_near", "surfaces", "bake_direct", "shade_direct", "shade_direct_near", *OF_EMITTERS}
     assert {f.__name__ for f in functions} == native - of_classes
     for made in classes:
         # Without one of its own, a dataclass is given its signature.

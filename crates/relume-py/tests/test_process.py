@@ -83,6 +83,42 @@ def test_ctrl_c_raises_keyboard_interrupt_at_once(more):
     assert float(out) < SOON
 
 
+BOUNCES = """
+import dataclasses, os, signal, threading, time
+import relume
+from shapes import grid
+
+sent = []
+def interrupt():
+    sent.append(time.monotonic())
+    os.kill(os.getpid(), signal.SIGINT)
+
+few = relume.bake(*grid(40), samples=16, order=2, transfer="glossy", transfer_order=4)
+many = dataclasses.replace(few, samples=4096)
+sky = relume.light("sky:30,3", order=2)
+threading.Timer(0.5, interrupt).start()
+try:
+    relume.shade(many, sky, eye=(1, 3, 2), bounces=64)
+except KeyboardInterrupt:
+    print(time.monotonic() - sent[0], flush=True)
+# The threads that cast rays stop, too.
+time.sleep(0.2)
+start = time.process_time()
+time.sleep(0.5)
+print(time.process_time() - start, flush=True)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs signals")
+def test_ctrl_c_ends_bounces_of_glossy_surfaces():
+    with python(BOUNCES) as child:
+        out, err = child.communicate(timeout=60)
+    assert not err, err
+    late, busy = map(float, out.split())
+    # Of half a second on each core.
+    assert late < SOON and busy < 0.05
+
+
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
 def test_ctrl_c_ends_a_program_that_does_not_catch_it():
     with python(f"import relume; from shapes import grid; print('go', flush=True); relume.bake(*grid(40), **{LONG})") as child:

@@ -26,7 +26,6 @@ means the degrees 0…n − 1, n² coefficients. Colours are linear Rec. 709. Li
 
 from __future__ import annotations
 
-import math
 import os
 import warnings
 from collections.abc import Sequence
@@ -224,10 +223,11 @@ def bake(
     result: NDArray[np.float32] | tuple[NDArray[np.float32], NDArray[np.bool_]] | GlossyTransfer | DirectTransfer
     if glossy:
         height = None if transfer_order is None else _arguments.integer("transfer_order", transfer_order, 1, _arguments.MAX_ORDER)
-        matrices, valid, made, own, repairs = _relume.bake_glossy(
+        (matrices, valid, behind, backs), made, own, repairs = _relume.bake_glossy(
             *arrays, transfer_order=height, brdf=_arguments.brdf(how), bounces=folded, **options
         )
-        result = GlossyTransfer(matrices, valid, points, made, own, how)
+        surface = (points, made, own, how, arrays[1], options["double_sided"])
+        result = GlossyTransfer(matrices, valid, *surface, behind, backs, options["samples"], options["seed"])
     elif gather:
         (vectors, valid, behind, backs), operator, repairs = _relume.bake_direct(*arrays, **options)
         shape = (points, arrays[1], options["normals"], options["double_sided"])
@@ -291,7 +291,9 @@ def light(
 @overload
 def shade(transfer: ArrayLike, light: ArrayLike, *, albedo: ArrayLike | None = ...) -> NDArray[np.float32]: ...
 @overload
-def shade(transfer: GlossyTransfer, light: ArrayLike | Emitters, *, eye: ArrayLike) -> NDArray[np.float32]: ...
+def shade(
+    transfer: GlossyTransfer, light: ArrayLike | Emitters, *, eye: ArrayLike, bounces: int = ...
+) -> NDArray[np.float32]: ...
 @overload
 def shade(
     transfer: DirectTransfer, light: ArrayLike | Emitters, *, albedo: ArrayLike | None = ..., bounces: int = ...
@@ -310,27 +312,24 @@ def shade(
 
     transfer  [V, C, n²], from `relume.bake` or `transfer` of `relume export`; or a `relume.GlossyTransfer`, or a `relume.DirectTransfer`.
     light     [m², 3], from `relume.light`; or [V, m², 3], one for each vertex, from `Emitters.light_at`, for transfer without bounces. Of a higher order than
-              the transfer it is cut off, of a lower one padded with zeros. With a GlossyTransfer or a DirectTransfer also `relume.Emitters`, whose
-              light is found at its vertices. With a DirectTransfer they may stand anywhere, as lamps in a room do; else outside the object's convex hull:
-              transfer knows what is in the way, not how far away it is.
+              the transfer it is cut off, of a lower one padded with zeros. With a DirectTransfer, or a GlossyTransfer without bounces, also
+              `relume.Emitters`, which may stand anywhere, as lamps in a room do. What `light_at` gives is right for emitters outside the object's convex hull
+              alone: transfer knows what is in the way, not how far away it is.
     albedo    the receivers' own, linear, in 0…1: a number, three, or [V, 3]. None leaves it out: radiance for a white surface. A glossy transfer has
               its own.
     eye       [3], only and always with a glossy transfer: where it is seen from. What turns its back to it is black; nothing hides anything.
-    bounces   0…64 interreflections, with a DirectTransfer.
+    bounces   0…64 interreflections, with a DirectTransfer, or a GlossyTransfer that has none folded in. For each of the latter's the rays of the bake are
+              cast again, 4096 for each vertex at most.
 
-    The GIL is released. The first call with a glossy transfer tabulates its BRDF, which takes a moment.
+    The GIL is released. The first call with a glossy transfer, and each one with its bounces, tabulates the BRDF, which takes a moment. Ctrl-C ends the casting
+    of rays at once.
 
     Raises ValueError, in one line that starts with the name of the argument.
     """
-    if not isinstance(transfer, DirectTransfer) and bounces != 0:
-        raise ValueError("bounces: are made with what relume.bake(…, gather=True) gives; leave them out")
     if isinstance(transfer, GlossyTransfer):
         if albedo is not None:
             raise ValueError("albedo: a glossy transfer has its own; leave it out")
-        place = _arguments.eye(eye)
-        matrices = _arguments.matrices(transfer.matrices)
-        coefficients = _light(light, transfer.positions, matrices)
-        return _relume.shade_glossy(matrices, coefficients, eye=(place[0], place[1], place[2]), surfaces=transfer.surfaces())
+        return _toward(transfer, light, eye, bounces)
     if eye is not None:
         raise ValueError("eye: diffuse surfaces look the same from everywhere; leave it out")
     if isinstance(transfer, DirectTransfer):
@@ -340,28 +339,35 @@ def shade(
         if isinstance(light, Emitters):
             radiance = _relume.shade_direct_near(light._native, _arguments.triangles(transfer, len(vectors)), arrays, bounces=count)
         else:
-            radiance = _relume.shade_direct(_light(light, None, vectors), arrays, bounces=count)
+            radiance = _relume.shade_direct(_light(light, vectors), arrays, bounces=count)
     else:
+        if bounces != 0:
+            raise ValueError("bounces: are made with what relume.bake(…, gather=True) or transfer='glossy' gives; leave them out")
         vectors = _arguments.transfer(transfer)
-        radiance = _relume.shade(vectors, _light(light, None, vectors))
+        if isinstance(light, Emitters):
+            raise ValueError("light: transfer vectors do not say where vertices stand; give emitters.light_at(vertices)")
+        radiance = _relume.shade(vectors, _light(light, vectors))
     if albedo is None:
         return radiance
     return radiance * _arguments.albedo(albedo, len(vectors))
 
 
-def _light(light: ArrayLike | Emitters, positions: ArrayLike | None, transfer: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Coefficients for transfer [V, C, …, n²] of vertices at `positions`."""
-    if isinstance(light, Emitters):
-        if positions is None:
-            raise ValueError("light: transfer vectors do not say where vertices stand; give emitters.light_at(vertices)")
-        points = _arguments.per_vertex("positions", positions, len(transfer))
-        within = _relume.enclosed(light._native, points)
-        if within is not None:
-            raise ValueError(
-                f"light: emitter {within!r} reaches into the convex hull of the object, and a glossy transfer does not say what is in its way; "
-                "move it outside, or bake with gather=True instead"
-            )
-        light = light.light_at(points, order=math.isqrt(transfer.shape[-1]))
+def _toward(transfer: GlossyTransfer, light: ArrayLike | Emitters, eye: ArrayLike | None, bounces: int) -> NDArray[np.float32]:
+    """What glossy surfaces send toward an eye."""
+    x, y, z = _arguments.eye(eye)
+    place = (float(x), float(y), float(z))
+    matrices = _arguments.matrices(transfer.matrices)
+    count = _arguments.integer("bounces", bounces, 0, _arguments.MAX_BOUNCES)
+    if count == 0 and not isinstance(light, Emitters):
+        return _relume.shade_glossy(matrices, _light(light, matrices), eye=place, surfaces=transfer.surfaces())
+    sides = _arguments.sides(transfer, matrices)
+    surfaces = _arguments.surfaces(transfer, len(matrices))
+    source = light._native if isinstance(light, Emitters) else _arguments.light_for(light, len(matrices))
+    return _relume.shade_glossy_near(source, surfaces, sides, bounces=count, eye=place, surfaces=transfer.surfaces())
+
+
+def _light(light: ArrayLike, transfer: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Coefficients for transfer [V, C, …, n²]."""
     made = _arguments.light_for(light, len(transfer))
     _arguments.unfolded("transfer", transfer, made)
     return made

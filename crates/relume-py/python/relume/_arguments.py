@@ -8,13 +8,16 @@ from __future__ import annotations
 import math
 import operator
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._brdf import Ggx, Lambert, Measured, Phong
 from ._direct import DirectTransfer
+
+if TYPE_CHECKING:
+    from ._glossy import GlossyTransfer
 
 
 def array(name: str, value: ArrayLike, kinds: str, wanted: str) -> NDArray[Any]:
@@ -177,13 +180,43 @@ def direct(value: DirectTransfer) -> dict[str, NDArray[Any]]:
     }
 
 
-def triangles(value: DirectTransfer, vertex_count: int) -> dict[str, Any]:
-    """The object of a direct transfer."""
+def triangles(value: DirectTransfer | GlossyTransfer, vertex_count: int) -> dict[str, Any]:
+    """The object of a transfer."""
     return {
         "positions": per_vertex("transfer.positions", value.positions, vertex_count),
         "faces": faces(value.faces, vertex_count),
         "normals": normals(value.normals, vertex_count),
         "double_sided": bool(value.double_sided),
+    }
+
+
+def surfaces(value: GlossyTransfer, vertex_count: int) -> dict[str, Any]:
+    """The object of a glossy transfer, and how it reflects."""
+    return {
+        **triangles(value, vertex_count),
+        "normals": per_vertex("normals", value.normals, vertex_count),
+        "albedo": albedo(value.albedo, vertex_count),
+        "brdf": brdf(value.brdf),
+    }
+
+
+def sides(value: GlossyTransfer, made: NDArray[np.float32]) -> dict[str, Any]:
+    """The transfer of a glossy one with the matrices `made`, which bounces and enclosed emitters can be added to."""
+    if made.shape[1] == 3:
+        what = "has bounces folded in (3 channels), which hold for distant light alone"
+        raise ValueError(f"transfer: {what}; bake it with bounces=0, and give bounces to relume.shade")
+    back = matrices(value.back_matrices, "transfer.back_matrices")
+    behind = _indices("transfer.back_vertices", value.back_vertices, np.uint32)
+    if len(back) != len(behind) or back.shape[1:] != made.shape[1:]:
+        what = f"has the shape {shape(back)} for {len(behind)} back_vertices and matrices {shape(made)}"
+        raise ValueError(f"transfer.back_matrices: {what}; bake it again")
+    return {
+        "matrices": made,
+        "valid": flags("transfer.valid", value.valid, len(made)),
+        "back_vertices": behind,
+        "back_matrices": back,
+        "samples": integer("transfer.samples", value.samples, 1, MAX_SAMPLES),
+        "seed": integer("transfer.seed", value.seed, 0, MAX_SEED),
     }
 
 
@@ -239,13 +272,13 @@ def is_glossy(transfer: object, *, transfer_order: object, brdf: object, return_
     return transfer == "glossy"
 
 
-def matrices(value: ArrayLike) -> NDArray[np.float32]:
+def matrices(value: ArrayLike, name: str = "matrices") -> NDArray[np.float32]:
     """Transfer matrices [V, C, m², n²]."""
     wanted = "an array [V, 1 or 3, transfer order², order²] of floats"
-    made = array("matrices", value, "f", wanted)
+    made = array(name, value, "f", wanted)
     if made.ndim != 4 or made.shape[1] not in (1, 3) or not (_is_order(made.shape[2]) and _is_order(made.shape[3])):
-        raise ValueError(f"matrices: has the shape {shape(made)}; give {wanted}")
-    return floats("matrices", made)
+        raise ValueError(f"{name}: has the shape {shape(made)}; give {wanted}")
+    return floats(name, made)
 
 
 def order_of(value: NDArray[np.float32]) -> int:

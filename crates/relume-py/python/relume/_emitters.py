@@ -50,7 +50,8 @@ class Emitters:
     """Lights that stand near: meshes and spheres that shine, and black ones that only block, in the space of the object (right-handed, y up, metres).
 
     They hide one another, and reflect nothing. The object's own shadows are in its transfer, which knows what is in the way, not how far away it is:
-    emitters must stand outside the object's convex hull. Radiance is linear Rec. 709.
+    `light_at` and what is made of it are for emitters outside the object's convex hull. `relume.shade` takes emitters that stand anywhere, with a
+    DirectTransfer or a GlossyTransfer. Radiance is linear Rec. 709.
 
     >>> import numpy as np, relume
     >>> panel = relume.Emitter(relume.Quad(2, 1), radiance=(12, 11, 9), name="panel")

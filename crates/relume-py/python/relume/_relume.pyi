@@ -37,7 +37,12 @@ def bake_glossy(
     seed: int,
     threads: int | None,
     double_sided: bool,
-) -> tuple[NDArray[np.float32], NDArray[np.bool_], NDArray[np.float32], NDArray[np.float32], list[str]]: ...
+) -> tuple[
+    tuple[NDArray[np.float32], NDArray[np.bool_], NDArray[np.uint32], NDArray[np.float32]],
+    NDArray[np.float32],
+    NDArray[np.float32],
+    list[str],
+]: ...
 def bake_direct(
     vertices: NDArray[np.float32],
     faces: NDArray[np.uint32],
@@ -58,7 +63,6 @@ def emitters(entries: list[Entry]) -> _Emitters: ...
 def load_emitters(path: str) -> tuple[_Emitters, list[str]]: ...
 def emitter_poses(emitters: _Emitters) -> list[tuple[str, list[float]]]: ...
 def set_pose(emitters: _Emitters, emitter: int, pose: NDArray[np.float64]) -> None: ...
-def enclosed(emitters: _Emitters, positions: NDArray[np.float32]) -> str | None: ...
 def light_at(emitters: _Emitters, positions: NDArray[np.float32], *, order: int) -> NDArray[np.float32]: ...
 def sampled_light_at(
     emitters: _Emitters,
@@ -97,6 +101,15 @@ def shade_direct_near(
 ) -> NDArray[np.float32]: ...
 def shade_glossy(
     matrices: NDArray[np.float32], light: NDArray[np.float32], *, eye: tuple[float, float, float], surfaces: _Surfaces
+) -> NDArray[np.float32]: ...
+def shade_glossy_near(
+    light: _Emitters | NDArray[np.float32],
+    object: dict[str, Any],
+    transfer: dict[str, Any],
+    *,
+    bounces: int,
+    eye: tuple[float, float, float],
+    surfaces: _Surfaces,
 ) -> NDArray[np.float32]: ...
 def surfaces(
     positions: NDArray[np.float32],
