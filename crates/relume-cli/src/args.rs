@@ -185,7 +185,8 @@ Examples:
   relume render baked.glb --light studio.hdr -o look.png
   relume render baked.glb --light studio.hdr -o look.exr --eye 2,1,3 --target 0,0.5,0 --fov 40
   relume render baked.glb --light sky:20,4 -o turn_%04d.png --frames 60 --sweep camera
-  relume render baked.glb --emitters lamps.json --light sky:5,4 -o dusk.png   lamps that stand near, and the sky")]
+  relume render baked.glb --emitters lamps.json --light sky:5,4 -o dusk.png   lamps that stand near, and the sky
+  relume render glossy.glb --emitters lamps.json --bounces 2 -o night.png      and what metal and plastic make of them")]
 pub struct RenderArgs {
     /// A baked asset
     pub asset: PathBuf,

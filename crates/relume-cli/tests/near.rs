@@ -142,18 +142,35 @@ fn emitters_are_compared_with_paths() {
 }
 
 #[test]
-fn emitters_on_glossy_assets_are_compared_toward_an_eye() {
-    let bench = lit(
-        "--order 8 --transfer glossy --transfer-order 8 --brdf phong --kd 0.4,0.4,0.4 --ks 0.3 --exponent 5",
-    );
+fn emitters_on_glossy_assets_are_compared_toward_an_eye_bounces_and_all() {
+    let how = "--order 8 --transfer glossy --transfer-order 8 --brdf phong --kd 0.4,0.4,0.4 --ks 0.3 --exponent 5";
+    let bench = lit(how);
     let line = "compare baked.glb --emitters lamps.json --eye 2,4,3 --vertices 20 --paths 4096";
     let said = bench.succeed(&format!("{line} --json")).0;
     let figures: serde_json::Value = serde_json::from_str(&said).unwrap();
     assert_eq!(figures["eye"][1].as_f64(), Some(4.0), "{said}");
     let error = figures["relative_rms"]["value"].as_f64().unwrap();
     assert!(error < 0.1, "{said}");
-    let said = bench.fail(1, &format!("{line} --bounces 1"));
-    assert!(said.contains("leave --bounces out"), "{said}");
+    let said = bench.succeed(&format!("{line} --bounces 1 --json")).0;
+    let figures: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(figures["bounces"].as_u64(), Some(1), "{said}");
+    let error = figures["relative_rms"]["value"].as_f64().unwrap();
+    assert!(error < 0.1, "{said}");
+    for bounces in [0, 1] {
+        let line = format!(
+            "render baked.glb --emitters lamps.json --bounces {bounces} --size 64x36 --exposure 0 -o {bounces}.png"
+        );
+        bench.succeed(&line);
+    }
+    let [direct, bounced] = ["0.png", "1.png"].map(|name| fs::read(bench.path(name)).unwrap());
+    assert_ne!(direct, bounced);
+    bench.bake("folded.glb", &format!("{how} --bounces 1"));
+    let line = "render folded.glb --emitters lamps.json --bounces 1 -o x.png";
+    let said = bench.fail(1, line);
+    assert!(
+        said.contains("folded.glb: ") && said.contains("--bounces 0"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -202,8 +202,11 @@ impl Viewer {
         let waits = !content.has_direct();
         let note = match (waits, cfg!(target_arch = "wasm32")) {
             (true, true) => Some(
-                "near light is without shadows: the scene was baked with bounces alone; bake it with --bounces 0 --gather",
+                "near light is without shadows: the scene was baked with bounces alone; bake it with --bounces 0, and --gather where it is diffuse",
             ),
+            (true, false) if content.is_glossy() => {
+                Some("near light reaches glossy surfaces once its direct transfer is baked")
+            }
             (true, false) => {
                 Some("near light is without shadows until its direct transfer is baked")
             }

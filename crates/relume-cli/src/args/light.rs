@@ -18,7 +18,7 @@ pub struct LightArgs {
     /// Lights that stand near, or within the asset: an emitters.json (docs/format.md), or a .glb or .gltf, of which what is emissive shines
     #[arg(long, value_name = "FILE")]
     pub emitters: Option<PathBuf>,
-    /// Interreflections of an asset that was baked with --bounces 0 --gather, under whatever light
+    /// Interreflections, under whatever light, of an asset that was baked with --bounces 0, and with --gather where it is diffuse
     #[arg(long, value_name = "K", default_value_t = 0, value_parser = parse::bounces)]
     pub bounces: u32,
     #[command(flatten)]

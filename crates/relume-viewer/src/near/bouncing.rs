@@ -8,7 +8,7 @@ use relume::bake::Monitor;
 use relume::scene::World;
 use relume::shade::{BounceError, GlossyBounces, TransferredRadiance};
 
-use super::Arrives;
+use super::glossy::Arrives;
 use crate::jobs::{Event, Jobs};
 
 /// Rays for each side of what is shown first.

@@ -14,7 +14,7 @@ use relume::light::emitter::{EmitterError, Emitters, Placed};
 pub use arrive::{Arriving, Domain, NearLight};
 #[cfg(not(target_arch = "wasm32"))]
 pub use bouncing::Bouncing;
-pub use glossy::{Arrives, arrives};
+pub use glossy::arrives;
 pub use lamp::{Lamp, Made};
 pub use shade::{error, shade};
 
