@@ -5,9 +5,8 @@ use std::collections::BinaryHeap;
 use glam::{DVec3, Vec3};
 
 use super::doubts::Doubts;
-use super::first_order::Responses;
 use super::lumps::Lumps;
-use super::{RefineOptions, VertexHierarchy};
+use super::{RefineOptions, Responses, VertexHierarchy};
 use crate::parallel;
 
 /// Clusters cut at a time, whatever the threads.

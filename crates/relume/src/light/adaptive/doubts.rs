@@ -4,9 +4,8 @@ use std::ops::Range;
 
 use glam::{DVec3, Vec3};
 
-use super::VertexHierarchy;
-use super::first_order::Responses;
 use super::lumps::{Lump, Lumps};
+use super::{Responses, VertexHierarchy};
 use crate::parallel;
 use crate::simd::{Kernel, Lanes, Level};
 
