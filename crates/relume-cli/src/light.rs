@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use relume::asset;
 use relume::basis::Order;
+use relume::display;
 use relume::files::write_atomically;
 use relume::light::adaptive::{
     RefineOptions, Responses, VertexHierarchy, reconstruct_first_order, refine_first_order,
@@ -72,7 +73,8 @@ fn near(args: &LightFileArgs, emitters: &Path, path: &Path) -> Result<(), Failur
                 epsilon: epsilon.unwrap_or(0.0),
                 budget: budget.map_or(usize::MAX, |n| n as usize),
             };
-            let (light, samples) = sampled(&world, &asset, &placed, order, &options);
+            let responses = responses(args, &world, &asset, order)?;
+            let (light, samples) = sampled(&world, &responses, &placed, order, &options);
             (light, Some(samples))
         }
     };
@@ -90,18 +92,38 @@ fn near(args: &LightFileArgs, emitters: &Path, path: &Path) -> Result<(), Failur
     Ok(())
 }
 
-fn sampled(
+/// What the asset's vertices make of light, or show an eye of it.
+fn responses(
+    args: &LightFileArgs,
     world: &World,
     asset: &asset::Asset,
+    order: Order,
+) -> Result<Responses, Failure> {
+    let transfer = &asset.transfer;
+    let all = || Responses::new(transfer, &world.vertex_albedos(), order);
+    let Some(eye) = args.eye else {
+        return Ok(all());
+    };
+    let eye = eye.as_dvec3();
+    // What glossy surfaces show is known at the order of their transfer.
+    match display::outgoing(world, transfer)? {
+        Some(outgoing) if order == transfer.order => {
+            Ok(outgoing.responses(transfer, eye).unwrap_or_else(all))
+        }
+        _ => Ok(all().seen_from(world, eye)),
+    }
+}
+
+fn sampled(
+    world: &World,
+    responses: &Responses,
     placed: &Placed,
     order: Order,
     options: &RefineOptions,
 ) -> (VertexLight, usize) {
     let hierarchy = VertexHierarchy::new(&world.positions);
-    let responses = Responses::new(&asset.transfer, &world.vertex_albedos(), order);
-    let form = ClosedForm::new(order);
-    let positions = &world.positions;
-    let samples = refine_first_order(&hierarchy, positions, &responses, &form, placed, options);
+    let (form, positions) = (ClosedForm::new(order), &world.positions);
+    let samples = refine_first_order(&hierarchy, positions, responses, &form, placed, options);
     (
         reconstruct_first_order(&samples, &hierarchy, positions),
         samples.len(),

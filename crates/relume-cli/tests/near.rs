@@ -64,6 +64,16 @@ fn light_of_vertices_is_written_once_and_shaded_alike() {
         )
         .1;
     assert!(said.contains(" samples"), "{said}");
+    let few = "light --emitters lamps.json --for baked.glb --budget 31";
+    bench.succeed(&format!("{few} -o all.npz"));
+    bench.succeed(&format!("{few} --eye 4,-9,0.5 -o below.npz"));
+    let read = |name: &str| fs::read(bench.path(name)).unwrap();
+    assert!(read("all.npz") != read("below.npz"));
+    let said = bench.fail(
+        2,
+        "light --emitters lamps.json --for baked.glb --eye 1,2,3 -o x.npz",
+    );
+    assert!(said.contains("--budget"), "{said}");
     bench.succeed("light sky:30,3 --emitters lamps.json --for baked.glb -o sum.npz");
     let other = bench.fail(1, "shade scene.obj --light light.npz -o c.npz");
     assert!(other.contains("scene.obj"), "{other}");

@@ -124,12 +124,7 @@ pub fn run(world: &World, options: &BakeOptions, cancelled: &AtomicBool) -> PyRe
 
 /// Refuses a transfer whose back sides are not those of the object: arrays come as somebody put them together.
 pub fn check_backs(world: &World, back: Option<&BackTransfer>) -> PyResult<()> {
-    let mut two_sided = vec![false; world.positions.len()];
-    for (triangle, corners) in world.triangles.iter().enumerate() {
-        if world.material(triangle as u32).double_sided {
-            corners.iter().for_each(|&i| two_sided[i as usize] = true);
-        }
-    }
+    let two_sided = world.two_sided_vertices();
     let vertices = (0..two_sided.len()).filter(|&vertex| two_sided[vertex]);
     let given = back.iter().flat_map(|back| &back.vertices);
     if vertices.eq(given.map(|&vertex| vertex as usize)) {

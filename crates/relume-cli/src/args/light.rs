@@ -48,7 +48,8 @@ Examples:
   relume light sky:25,3 -o light.json --rotate 0,1,0:90
   relume light --emitters lamps.json --for baked.glb -o light.npz              near lights, at every vertex
   relume light --emitters lamps.json --for baked.glb -o light.npz --budget 256   from so many samples and their gradients",
-    group = ArgGroup::new("shining").args(["env", "emitters"]).required(true).multiple(true))]
+    group = ArgGroup::new("shining").args(["env", "emitters"]).required(true).multiple(true),
+    group = ArgGroup::new("few").args(["budget", "epsilon"]).multiple(true))]
 pub struct LightFileArgs {
     /// The light: an image, six faces 'sky_{px,nx,py,ny,pz,nz}.hdr', a light.json, constant:R,G,B, sun:X,Y,Z,DEG,R,G,B or sky:ELEVATION,TURBIDITY
     pub env: Option<EnvSpec>,
@@ -69,6 +70,9 @@ pub struct LightFileArgs {
     /// Stop sampling where a cluster of vertices adds less than this to the RMS error of their colour
     #[arg(long, value_name = "E", requires = "emitters", value_parser = parse::error)]
     pub epsilon: Option<f64>,
+    /// Sample where it matters to an eye here, which sees no surface from behind, and glossy ones as their BRDFs show them
+    #[arg(long, value_name = "X,Y,Z", requires = "few", value_parser = parse::point, allow_hyphen_values = true)]
+    pub eye: Option<glam::Vec3>,
     /// The light.json to write, or light.npz with --emitters
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,

@@ -54,12 +54,7 @@ impl<'w> Receivers<'w> {
     pub fn new(world: impl Into<WorldRef<'w>>) -> Self {
         let world = world.into();
         let vertices = world.positions.len();
-        let mut two_sided = vec![false; vertices];
-        for (triangle, corners) in world.triangles.iter().enumerate() {
-            if world.material(triangle as u32).double_sided {
-                corners.iter().for_each(|&i| two_sided[i as usize] = true);
-            }
-        }
+        let two_sided = world.two_sided_vertices();
         let (mut front, mut behind) = (vec![0; vertices], vec![NO_BACK; vertices]);
         let mut places = Vec::with_capacity(vertices);
         for vertex in along_a_curve(&world) {

@@ -176,6 +176,17 @@ impl World {
         }
     }
 
+    /// By vertex: whether a double-sided triangle uses it.
+    pub fn two_sided_vertices(&self) -> Vec<bool> {
+        let mut two_sided = vec![false; self.positions.len()];
+        for (triangle, corners) in self.triangles.iter().enumerate() {
+            if self.material(triangle as u32).double_sided {
+                corners.iter().for_each(|&i| two_sided[i as usize] = true);
+            }
+        }
+        two_sided
+    }
+
     /// The BRDF at a point of a triangle, maps and all; `None` of a tile, whose points have none.
     pub fn brdf_at(&self, triangle: u32, weights: [f32; 3]) -> Option<Brdf> {
         let point = self.shading_point(triangle, weights);

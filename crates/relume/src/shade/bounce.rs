@@ -24,7 +24,7 @@ pub struct SideRadiance {
 pub enum BounceError {
     /// Its vectors count bounces already.
     #[error(
-        "it was baked with bounces, which hold for distant light alone; bake it with --bounces 0 (and --gather, where it is diffuse), and ask for bounces here"
+        "it was baked with bounces, which hold for distant light alone; bake it with --bounces 0 --gather (glossy: without --gather), and ask for bounces here"
     )]
     Folded,
     /// It does not say how light bounces on.

@@ -6,7 +6,8 @@ use glam::DVec3;
 
 use crate::asset::{BackTransfer, Matrices, Transfer};
 use crate::basis::Order;
-use crate::brdf::{Anisotropic, Finish, Reflector, Workspace};
+use crate::brdf::{Anisotropic, Finish, Reflector, Scratch, Workspace};
+use crate::light::adaptive::Responses;
 use crate::light::{IncidentLight, ObjectLight};
 use crate::scene::World;
 
@@ -206,6 +207,39 @@ impl Outgoing {
     /// What a material makes of transferred radiance.
     pub fn reflector(&self, material: u32) -> &Reflector {
         &self.reflectors[material as usize]
+    }
+
+    /// What every vertex shows an eye of light: `Σ_i o_i T_ij`, the channels' mean, of its front; nothing where the eye is behind it. For samples of light where
+    /// they matter to that eye.
+    ///
+    /// Panics when the transfer is not of this world and order.
+    pub fn responses(&self, transfer: &Transfer, eye: DVec3) -> Option<Responses> {
+        let matrices = transfer.matrices.as_ref()?;
+        assert_eq!(
+            self.order, matrices.order,
+            "matrices of the order asked for"
+        );
+        let vertices = self.positions.len();
+        assert_eq!(vertices, transfer.vertex_count(), "one matrix per vertex");
+        let (rows, columns) = (self.order.count(), transfer.order.count());
+        let (mut o, mut scratch) = (vec![0.0; 3 * rows], Scratch::new(self.order));
+        let mut values = vec![0.0_f32; vertices * columns];
+        let stride = transfer.matrix_stride();
+        for (vertex, value) in values.chunks_exact_mut(columns).enumerate() {
+            let view = (eye - self.positions[vertex].as_dvec3()).normalize_or_zero();
+            let normal = self.normals[vertex].as_dvec3().normalize_or(DVec3::Z);
+            let reflector = &self.reflectors[self.materials[vertex] as usize];
+            reflector.toward(&self.finishes[vertex], normal, view, &mut scratch, &mut o);
+            let matrix = &matrices.coefficients[vertex * stride..][..stride];
+            for (channel, o) in o.chunks_exact(rows).enumerate() {
+                let matrix = &matrix[channel % transfer.channels * rows * columns..];
+                for (o, row) in o.iter().zip(matrix.chunks_exact(columns)) {
+                    let share = (o / 3.0) as f32;
+                    value.iter_mut().zip(row).for_each(|(v, t)| *v += share * t);
+                }
+            }
+        }
+        Some(Responses::from_rows(transfer.order, values))
     }
 
     /// Radiance that leaves every vertex toward `eye`: of its front, or of its back where it has one and the eye is behind it; else black.

@@ -1,9 +1,10 @@
 //! What vertices make of light, whatever its colour.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::asset::Transfer;
 use crate::basis::Order;
+use crate::scene::World;
 
 /// What vertices make of light, for [`super::refine_first_order`]: `[vertices][order²]`, transfer times albedo, their channels' mean.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +14,33 @@ pub struct Responses {
 }
 
 impl Responses {
+    /// Of one's own making: `[vertices][order²]`, what a vertex makes of each coefficient of the light.
+    ///
+    /// Panics where these are not whole rows.
+    pub fn from_rows(order: Order, values: Vec<f32>) -> Self {
+        assert_eq!(values.len() % order.count(), 0, "whole rows");
+        Self { order, values }
+    }
+
+    /// The same to an eye that sees no vertex from behind: those make nothing of light, unless their surface has two sides. Diffuse surfaces look the same from
+    /// everywhere else; for glossy ones there is [`crate::shade::Outgoing::responses`].
+    ///
+    /// Panics when they are not of this world.
+    #[must_use]
+    pub fn seen_from(mut self, world: &World, eye: DVec3) -> Self {
+        let rows = self.values.chunks_exact_mut(self.order.count());
+        assert_eq!(rows.len(), world.positions.len(), "one row per vertex");
+        let two_sided = world.two_sided_vertices();
+        for (vertex, row) in rows.enumerate() {
+            let toward = eye - world.positions[vertex].as_dvec3();
+            let behind = world.normals[vertex].as_dvec3().dot(toward) < 0.0;
+            if behind && !two_sided[vertex] {
+                row.fill(0.0);
+            }
+        }
+        self
+    }
+
     /// Of the vertices of `transfer`, `albedos` one per vertex. Light of `order`.
     pub fn new(transfer: &Transfer, albedos: &[Vec3], order: Order) -> Self {
         let count = order.count();
@@ -49,7 +77,7 @@ impl Responses {
         squares.sum::<f64>().sqrt()
     }
 
-    pub(super) fn of(&self, vertex: u32) -> &[f32] {
+    pub(crate) fn of(&self, vertex: u32) -> &[f32] {
         let count = self.order.count();
         &self.values[vertex as usize * count..][..count]
     }

@@ -1,6 +1,10 @@
 use super::*;
+use glam::{Vec2, Vec3};
+
 use crate::asset::{Precision, Provenance, TransferKind};
+use crate::brdf::Reflection;
 use crate::light::{ShLight, VertexLight};
+use crate::scene::Material;
 
 fn order(n: usize) -> Order {
     Order::new(n).unwrap()
@@ -103,4 +107,51 @@ fn each_vertex_has_its_own_light_and_so_has_its_back() {
     assert_eq!(by_vertex.back[..27], a.back[..27]);
     assert_eq!(of_vertex(&by_vertex, 2), of_vertex(&b, 2));
     assert_eq!(by_vertex.back[27..], b.back[27..]);
+}
+
+#[test]
+fn what_an_eye_is_shown_of_light_is_its_radiance() {
+    let normal = |vertex: usize| Vec3::new(0.3 * vertex as f32, 1.0, -0.2).normalize();
+    let world = World {
+        positions: (0..4)
+            .map(|v| Vec3::new(0.1 * v as f32, 0.0, 0.2))
+            .collect(),
+        normals: (0..4).map(normal).collect(),
+        colors: vec![Vec3::ONE; 4],
+        uvs: vec![Vec2::ZERO; 4],
+        alphas: vec![1.0; 4],
+        triangles: vec![[0, 1, 2], [1, 2, 3]],
+        triangle_materials: vec![0; 2],
+        materials: vec![Material {
+            reflection: Reflection::MetallicRoughness {
+                metallic: 0.5,
+                roughness: 0.4,
+            },
+            ..Material::diffuse("brass", [0.9, 0.6, 0.2])
+        }],
+        ..World::default()
+    };
+    let eye = DVec3::new(0.4, 3.0, 1.0);
+    let outgoing = Outgoing::new(&world, order(3)).unwrap();
+    for channels in [1, 3] {
+        let transfer = transfer(channels);
+        let coloured = light(2, 0.8);
+        let grey = coloured.coefficients().iter().map(|rgb| [rgb[0]; 3]);
+        let grey = ShLight::new(order(2), grey.collect());
+        let incident = IncidentLight::Distant(grey.clone());
+        let arriving = TransferredRadiance::new(&transfer, &incident).unwrap();
+        let shown = outgoing.radiance(&transfer, &arriving, eye);
+        let responses = outgoing.responses(&transfer, eye).unwrap();
+        for (vertex, shown) in shown.iter().enumerate() {
+            let pairs = responses.of(vertex as u32).iter().zip(grey.coefficients());
+            let found: f32 = pairs.map(|(response, light)| response * light[0]).sum();
+            let mean = shown.iter().sum::<f32>() / 3.0;
+            assert!(
+                (found - mean).abs() < 1e-5 * (1.0 + mean.abs()),
+                "{found} for {mean}"
+            );
+        }
+        let below = outgoing.responses(&transfer, -eye).unwrap();
+        assert!((0..4).all(|vertex| below.of(vertex).iter().all(|&x| x == 0.0)));
+    }
 }

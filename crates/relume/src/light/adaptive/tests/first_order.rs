@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::asset::{Precision, Provenance, Transfer, TransferKind};
+use crate::scene::{Material, World};
 
 const ORDER: usize = 3;
 
@@ -164,6 +165,31 @@ fn what_reflects_nothing_gets_no_samples_and_far_light_gets_one() {
         self::object(1, |_| 1.0).samples(&panel(1.0), 0.0, 9).len(),
         1
     );
+}
+
+#[test]
+fn what_an_eye_sees_from_behind_gets_no_samples_unless_it_has_two_sides() {
+    let mut object = object(2000, |_| 1.0);
+    let down = |p: &Vec3| if p.y < 1.0 { Vec3::NEG_Y } else { Vec3::Y };
+    let mut world = World {
+        normals: object.positions.iter().map(down).collect(),
+        positions: object.positions.clone(),
+        materials: vec![Material::diffuse("cloud", [1.0; 3])],
+        triangles: vec![[0, 1, 2]],
+        triangle_materials: vec![0],
+        ..World::default()
+    };
+    let all = object.responses.clone();
+    let above = DVec3::new(0.5, 9.0, 0.2);
+    object.responses = all.clone().seen_from(&world, above);
+    let samples = object.samples(&panel(0.6), 0.0, 257);
+    let behind = samples.positions.iter().filter(|p| p.y < 0.9).count();
+    assert!(10 * behind < samples.len(), "{behind} of {}", samples.len());
+    world.triangles = (0..666).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    world.triangles.push([1997, 1998, 1999]);
+    world.triangle_materials = vec![0; 667];
+    world.materials[0].double_sided = true;
+    assert_eq!(all.clone().seen_from(&world, above), all);
 }
 
 #[test]
