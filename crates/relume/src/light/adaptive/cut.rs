@@ -152,10 +152,9 @@ impl<'a> Oracle<'a> {
         }
         // As wrong as the judges are, for as much doubt as there is in all: a few vertices beside a lamp may be most of it.
         let all = self.doubts.sum(members, node.position);
-        if seen <= 0.0 {
-            return 0.0;
-        }
-        (sum * all / seen / self.positions.len() as f64).sqrt()
+        // Where they see nothing, what may be wrong counts.
+        let share = if seen > 0.0 { sum / seen } else { 1.0 };
+        (share * all / self.positions.len() as f64).sqrt()
     }
 }
 

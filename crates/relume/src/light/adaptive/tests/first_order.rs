@@ -137,18 +137,27 @@ fn a_few_vertices_beside_a_lamp_are_sampled_however_many_stand_elsewhere() {
         rms(&exact[first..], &vec![0.0; 27 * 5]),
     );
     println!("off by {off:.2e} of {all:.2}");
-    let s = object.samples(&placed, 0.0, 40);
-    for i in 0..s.len() {
-        println!(
-            "{:.2} r {:.3} w {:.2}",
-            s.positions[i], s.radii[i], s.weights[i]
-        );
-    }
-    println!(
-        "{:?} {:?}",
-        &found[first..first + 6],
-        &exact[first..first + 6]
+    assert!(off < 0.01 * all, "{off} of {all}");
+}
+
+#[test]
+fn a_few_vertices_that_reflect_are_found_among_many_that_do_not() {
+    let bright = |p: &Vec3| p.distance(Vec3::new(0.4, 1.3, 0.3)) < 0.05;
+    let object = object(4000, |p| if bright(p) { 1.0 } else { 0.0 });
+    let placed = panel(0.7);
+    let (found, exact) = (object.light(&placed, 0.0, 60), object.exact(&placed));
+    let few = (0..4000).filter(|&v| bright(&object.positions[v]));
+    let few: Vec<usize> = few.collect();
+    assert!((1..20).contains(&few.len()), "{}", few.len());
+    let of = |light: &[f32]| -> Vec<f32> {
+        let rows = few.iter().flat_map(|&v| &light[27 * v..][..27]);
+        rows.copied().collect()
+    };
+    let (off, all) = (
+        rms(&of(&found), &of(&exact)),
+        rms(&of(&exact), &vec![0.0; 27 * few.len()]),
     );
+    println!("{} vertices off by {off:.2e} of {all:.2}", few.len());
     assert!(off < 0.01 * all, "{off} of {all}");
 }
 
